@@ -1,0 +1,51 @@
+#include "case_rows.h"
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+
+namespace carom_bench {
+namespace {
+
+constexpr std::size_t kRowBytes = kCaseColumns * sizeof(double);
+
+std::size_t row_count(std::ifstream& file, const std::string& path) {
+  file.seekg(0, std::ios::end);
+  const auto bytes = static_cast<std::size_t>(file.tellg());
+  file.seekg(0);
+  if (bytes == 0 || bytes % kRowBytes != 0) {
+    throw std::runtime_error(path + ": " + std::to_string(bytes) + " bytes; expected rows of " +
+                             std::to_string(kRowBytes) + " (24 float64 a case)");
+  }
+  return bytes / kRowBytes;
+}
+
+}  // namespace
+
+CaseRow to_row(const Case& one) {
+  const Params& p = one.params;
+  CaseRow row{p.R, p.M, p.u_s1, p.u_s2, p.u_b, p.e_b};
+  std::copy_n(one.ball1, 9, row.begin() + kBall1);
+  std::copy_n(one.ball2, 9, row.begin() + kBall2);
+  return row;
+}
+
+std::vector<CaseRow> read_case_rows(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error(path + ": cannot be read; expected a file of cases");
+  std::vector<CaseRow> rows(row_count(file, path));
+  file.read(reinterpret_cast<char*>(rows.data()),
+            static_cast<std::streamsize>(rows.size() * kRowBytes));
+  if (!file) throw std::runtime_error(path + ": ended while being read");
+  return rows;
+}
+
+void write_doubles(const std::string& path, const double* values, std::size_t count) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(values),
+             static_cast<std::streamsize>(count * sizeof(double)));
+  file.close();
+  if (!file) throw std::runtime_error(path + ": cannot be written");
+}
+
+}  // namespace carom_bench

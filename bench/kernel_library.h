@@ -1,0 +1,55 @@
+// A candidate kernel in a shared library.
+#ifndef CAROM_BENCH_KERNEL_LIBRARY_H_
+#define CAROM_BENCH_KERNEL_LIBRARY_H_
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace carom_bench {
+
+/// One collision. params: R (m), M (kg), u_s1, u_s2, u_b, e_b; balls as in carom.h. Returns the
+/// status of carom.h.
+using CollideFunction = int (*)(const double params[6], const double ball1[9],
+                                const double ball2[9], double out1[9], double out2[9]);
+/// As CollideFunction, with `steps` fixed steps instead of the number that the kernel was made for.
+using StepsFunction = int (*)(const double params[6], const double ball1[9], const double ball2[9],
+                              double out1[9], double out2[9], int steps);
+/// n collisions with the same parameters, but for u_b, one each unless null. Structure of arrays as
+/// in carom.h. Returns how many have status 0.
+using BatchFunction = std::size_t (*)(const double params[6], const double* u_b, std::size_t n,
+                                      const double* const in[18], double* const out[12],
+                                      unsigned char* status);
+
+/// An open shared library with the carom_probe_* functions; closed when it goes out of scope.
+class KernelLibrary {
+ public:
+  /// Throws std::runtime_error naming the file if it cannot be loaded or has no
+  /// carom_probe_collide.
+  explicit KernelLibrary(const std::string& path);
+
+  CollideFunction collide() const { return collide_; }
+  /// Throws std::runtime_error if the kernel has no batch function.
+  BatchFunction batch() const;
+  /// Throws std::runtime_error if the kernel is no fixed-step kernel.
+  StepsFunction steps() const;
+  /// The name that the kernel gives itself, or an empty string.
+  std::string kernel() const;
+
+ private:
+  struct Close {
+    void operator()(void* handle) const;
+  };
+  template <class Function>
+  Function find(const char* symbol) const;
+  template <class Function>
+  Function need(Function function, const char* symbol) const;
+
+  std::string path_;
+  std::unique_ptr<void, Close> handle_;
+  CollideFunction collide_;
+};
+
+}  // namespace carom_bench
+
+#endif  // CAROM_BENCH_KERNEL_LIBRARY_H_

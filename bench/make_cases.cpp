@@ -1,0 +1,62 @@
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batch.h"
+#include "case_rows.h"
+#include "cases.h"
+#include "commands.h"
+
+namespace carom_bench {
+namespace {
+
+using Fixed = std::pair<std::size_t, double>;
+
+std::size_t parameter_column(const std::string& name, const std::string& text) {
+  constexpr std::array<const char*, 6> kNames{"R", "M", "u_s1", "u_s2", "u_b", "e_b"};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    if (name == kNames[i]) return i;
+  }
+  throw std::runtime_error("--fix " + text + ": expected R, M, u_s1, u_s2, u_b or e_b, as R=0.03");
+}
+
+Fixed parse_fixed(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::size_t column = parameter_column(text.substr(0, equals), text);
+  const std::string number = equals == std::string::npos ? "" : text.substr(equals + 1);
+  char* end = nullptr;
+  const double value = std::strtod(number.c_str(), &end);
+  if (number.empty() || *end != '\0') {
+    throw std::runtime_error("--fix " + text + ": expected a number after the sign, as R=0.03");
+  }
+  return {column, value};
+}
+
+void write_kinds(const std::string& path, const std::vector<Case>& cases) {
+  std::ofstream file(path);
+  for (const Case& one : cases) file << one.kind << '\n';
+  file.close();
+  if (!file) throw std::runtime_error(path + ": cannot be written");
+}
+
+}  // namespace
+
+void make_cases(const MakeCases& options) {
+  std::vector<Fixed> fixed;
+  for (const std::string& text : options.fixed) fixed.push_back(parse_fixed(text));
+  const std::vector<Case> cases = options.mixed ? mixed_cases(options.seed, options.count)
+                                                : random_cases(options.seed, options.count);
+  std::vector<CaseRow> rows;
+  for (const Case& one : cases) {
+    rows.push_back(to_row(one));
+    for (const Fixed& each : fixed) set_parameter(&rows.back(), each.first, each.second);
+  }
+  write_rows(options.out, rows);
+  if (!options.kinds.empty()) write_kinds(options.kinds, cases);
+}
+
+}  // namespace carom_bench

@@ -1,0 +1,63 @@
+"""Which variants the main job tries. The whole registry is for `./gen sweep`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from generator.targets.target import Target
+from generator.variants.presets import PAPER_PRESETS
+from generator.variants.rules import broken_rule
+from generator.variants.variant import Stepper, Variant, make_variant
+
+# Our short list for fixed steps: the slips alone and one pressed ball, in the ways of making 1/|c|
+# and of writing the loop that have won somewhere.
+_BASE = {"state": "reduced", "reuse": "factored", "roots": "early", "branch": "chosen"}
+_SHORT_LIST: tuple[dict[str, str], ...] = (
+    *(
+        {**_BASE, "rsqrt": rsqrt, "order": "chain", "loop": loop}
+        for rsqrt in ("ahead", "prev", "est1", "est2", "inv")
+        for loop in ("onestage", "twostage")
+    ),
+    {**_BASE, "rsqrt": "ahead", "loop": "twostage"},
+    {**_BASE, "rsqrt": "ahead", "loop": "twostage", "order": "chain", "store": "blocks"},
+    {**_BASE, "rsqrt": "ahead", "loop": "twostage", "order": "chain", "simd": "prepost"},
+    {**_BASE, "rsqrt": "ahead", "loop": "twostage", "order": "chain", "reuse": "precompute"},
+    {**_BASE, "rsqrt": "est1", "loop": "twostage", "reuse": "precompute", "simd": "slips"},
+)
+
+
+def paper_rows(target: str, scene: str, model: str, stepper: Stepper) -> dict[str, Variant]:
+    """The report's rows as variants, by preset name; a row illegal on a target is left out later."""
+    return {p.name: make_variant(target, scene, model, stepper, **p.options) for p in PAPER_PRESETS}
+
+
+def fixed_step_candidates(
+    target: Target, scene: str, model: str, steps: int, compilers: Iterable[str]
+) -> list[Variant]:
+    """Legal variants of the fixed-step scheme in a fixed order, the baseline first."""
+    stepper = Stepper("euler", steps=steps)
+    found = list(paper_rows(target.name, scene, model, stepper).values())
+    fma = "fma" if target.has("fma") else "nofma"
+    codes = tuple(compilers)
+    if "gcc" not in codes:
+        found = [v.with_options(compiler=codes[0]) for v in found]
+    for compiler in codes:
+        found += [
+            make_variant(
+                target.name, scene, model, stepper, compiler=compiler, **{"fma": fma, **options}
+            )
+            for options in _SHORT_LIST
+        ]
+    return [v for v in found if broken_rule(v, target) is None or v is found[0]]
+
+
+def baseline(
+    target: Target, scene: str, model: str, steps: int, compilers: Iterable[str]
+) -> Variant:
+    """`paper-initial`: the report's initial C with the report's flags; FMA only where there is any."""
+    codes = tuple(compilers)
+    stepper = Stepper("euler", steps=steps)
+    first = paper_rows(target.name, scene, model, stepper)["paper-initial"]
+    if "gcc" not in codes:
+        first = first.with_options(compiler=codes[0])
+    return first if target.has("fma") else first.with_options(fma="nofma")

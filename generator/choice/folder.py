@@ -1,0 +1,77 @@
+"""A folder generated/<target>/<scene>/: its files follow from selection.json and the sources."""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator.choice.selection import FILE, Selection, read_selection
+from generator.emission.files import write_atomically
+from generator.emission.kernel_source import emit
+from generator.errors import InputError
+from generator.variants.names import source_name_of, variant_of
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One file that is not as the sources give it."""
+
+    path: Path
+    what: str  # "missing", "stray" or "differs"
+    diff: tuple[str, ...] = ()
+
+
+def file_of(kernel: str) -> str:
+    """The file of a kernel: its name without what only the compiler sees."""
+    return f"{source_name_of(variant_of(kernel))}.cpp"
+
+
+def files_of(selection: Selection) -> dict[str, str]:
+    """Names and texts of all files of a folder, selection.json included."""
+    files = {FILE: selection.text()}
+    for entry in selection.kernels:
+        variant = variant_of(entry.kernel)
+        source = emit(variant)
+        files[entry.file] = source.source
+        files["carom.h"] = source.header
+    return dict(sorted(files.items()))
+
+
+def write_folder(folder: Path, selection: Selection) -> list[Path]:
+    """Write all files of a folder, selection.json last, and remove strays."""
+    files = files_of(selection)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in sorted(files, key=lambda n: n == FILE):
+        write_atomically(folder / name, files[name])
+    for stray in _strays(folder, files):
+        stray.unlink()
+    return [folder / name for name in files]
+
+
+def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
+    return sorted(p for p in folder.iterdir() if p.is_file() and p.name not in files)
+
+
+def folders(root: Path) -> list[Path]:
+    """All folders of generated/ that hold a selection, in order."""
+    return sorted(path.parent for path in root.glob(f"*/*/{FILE}"))
+
+
+def differences(folder: Path) -> list[Difference]:
+    """How a folder differs from what the sources give: file set and bytes."""
+    selection = read_selection(folder)
+    if selection is None:
+        raise InputError(f"{folder}: no {FILE}; make it with ./gen --target {folder.parent.name}")
+    files = files_of(selection)
+    found = [Difference(stray, "stray") for stray in _strays(folder, files)]
+    for name, text in files.items():
+        path = folder / name
+        if not path.exists():
+            found.append(Difference(path, "missing"))
+        elif (old := path.read_text("utf-8")) != text:
+            lines = difflib.unified_diff(
+                old.splitlines(), text.splitlines(), str(path), "from the sources", lineterm="", n=1
+            )
+            found.append(Difference(path, "differs", tuple(lines)))
+    return found

@@ -1,0 +1,82 @@
+"""Reading cases and writing outcomes as CSV, strictly."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from generator.errors import InputError
+from generator.scenes.scene import LIMITS
+from generator.verification.errors import Array
+from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
+
+_EXCLUSIVE = ("R", "M")  # must be above their lower limit
+
+
+@dataclass(frozen=True)
+class CaseTable:
+    """Rows of 24 in the columns of verification.errors, with the ids as they were written."""
+
+    ids: tuple[str, ...]
+    rows: Array
+
+
+def _number(text: str | None, path: Path, line: int, name: str) -> float:
+    try:
+        value = float(text or "")
+    except ValueError:
+        shown = text if text else "nothing"
+        raise InputError(
+            f"{path}: row {line}, column {name}: '{shown}' is no number; write one as 0.05"
+        ) from None
+    if name in LIMITS and not math.isnan(value):
+        low, high = LIMITS[name]
+        if not low <= value <= high or (name in _EXCLUSIVE and value <= low):
+            least = f"above {low:g}" if name in _EXCLUSIVE else f"at least {low:g}"
+            raise InputError(
+                f"{path}: row {line}, column {name}: {value:g} is out of range; "
+                f"expected {least} and at most {high:g}"
+            )
+    return value
+
+
+def read_case_table(path: Path) -> CaseTable:
+    """Cases by header name, extra columns ignored. InputError names file, row and column."""
+    try:
+        text = path.read_text("utf-8-sig")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8; expected CSV") from None
+    reader = csv.DictReader(io.StringIO(text, newline=""))
+    header = reader.fieldnames or []
+    missing = [name for name in ("id", *CASE_NAMES) if name not in header]
+    if missing:
+        raise InputError(
+            f"{path}: row 1: no column {missing[0]}; expected id,{','.join(CASE_NAMES)}"
+        )
+    ids, rows = [], []
+    try:
+        for record in reader:
+            ids.append(record["id"])
+            rows.append([_number(record[n], path, reader.line_num, n) for n in CASE_NAMES])
+    except csv.Error as error:
+        raise InputError(f"{path}: row {reader.line_num}: not CSV: {error}") from None
+    if not rows:
+        raise InputError(f"{path}: only a header; expected at least one row of a case")
+    return CaseTable(tuple(ids), np.array(rows))
+
+
+def outcome_text(ids: tuple[str, ...], outcomes: Array) -> str:
+    """CSV of outcomes: id, v1x..w2z, status; numbers that read back to the same double."""
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(["id", *OUTCOME_NAMES, "status"])
+    for identity, row in zip(ids, outcomes, strict=True):
+        writer.writerow([identity, *(repr(float(x)) for x in row[:12]), int(row[12])])
+    return stream.getvalue()

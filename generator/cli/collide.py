@@ -1,0 +1,64 @@
+"""gen collide: run collisions of a CSV file through the chosen kernel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from generator.errors import InputError
+
+
+@click.command()
+@click.option("--cases", required=True, type=click.Path(path_type=Path), help="CSV of cases")
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="CSV to write")
+@click.option("--model", help="contact model; default mathavan2014")
+@click.option("--target", default="native", show_default=True, help="CPU whose kernel to run")
+@click.option("--steps", type=click.IntRange(1, 100_000_000), help="fixed steps, as pooltool")
+@click.option("--max-error", type=float, help="error budget instead of fixed steps")
+@click.option("--batch", is_flag=True, help="through the batch function")
+def collide(
+    cases: Path,
+    out: Path,
+    model: str | None,
+    target: str,
+    steps: int | None,
+    max_error: float | None,
+    batch: bool,
+) -> None:
+    """Collide the cases of a CSV file."""
+    from generator.choice.lookup import kernel_for, require_runs, with_compiler_found
+    from generator.cli.case_table import outcome_text, read_case_table
+    from generator.cli.session import ROOT, resolve_target, workbench
+    from generator.emission.files import write_atomically
+    from generator.errors import KernelError
+    from generator.scenes.models import find_model
+    from generator.scenes.scene import find_scene
+
+    if steps is not None and max_error is not None:
+        raise InputError("--steps and --max-error exclude each other: name one of them")
+    model_name = find_model(model or find_scene("any").model).name
+    resolved, host = resolve_target(target)
+    table = read_case_table(cases)
+    if not out.parent.is_dir():
+        raise InputError(f"{out}: there is no folder {out.parent}")
+    require_runs(host, resolved)
+    count = steps or 1000
+    variant = kernel_for(ROOT / "generated", target, resolved, "any", model_name, count)
+    with workbench() as bench:
+        variant = with_compiler_found(variant, bench.compilers)  # type: ignore[arg-type]
+        candidate = bench.prepare([variant], resolved)[0]
+        bench.compile([candidate])
+        if candidate.library is None:
+            raise KernelError(candidate.rejected)
+        own = variant.stepper.steps == count
+        outcomes = bench.tool.run_kernel(
+            candidate.library.path,
+            table.rows,
+            steps=None if own else count,
+            batch=batch,
+            timeout=60.0 + 1e-7 * count * len(table.rows),
+        )
+    write_atomically(out, outcome_text(table.ids, outcomes))
+    good = int((outcomes[:, 12] == 0).sum())
+    click.echo(f"{len(table.ids)} cases, {good} collided, by {candidate.name}; written: {out}")

@@ -1,0 +1,49 @@
+"""gen --check and gen --update: generated/ against the sources, without any timing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from generator.choice.folder import differences, folders, write_folder
+from generator.choice.selection import read_selection
+from generator.cli.session import ROOT
+from generator.errors import InputError
+
+_MOST_LINES = 20
+
+
+def _folders(out: Path | None) -> list[Path]:
+    root = out or ROOT / "generated"
+    found = folders(root)
+    if not found:
+        raise InputError(f"{root}: holds no selection.json; make one with ./gen --target native")
+    return found
+
+
+def run_check(out: Path | None) -> int:
+    """0 where every file is as the sources give it, else 1 with the differences and the cure."""
+    found = _folders(out)
+    differing = [d for folder in found for d in differences(folder)]
+    for difference in differing:
+        click.echo(f"{difference.path}: {difference.what}")
+        for line in difference.diff[:_MOST_LINES]:
+            click.echo(f"  {line}")
+    if differing:
+        click.echo(f"{len(differing)} files are not what the sources give; run ./gen --update")
+        return 1
+    click.echo(f"{len(found)} folders of generated/ are what the sources give")
+    return 0
+
+
+def run_update(out: Path | None) -> int:
+    """Make every folder what the sources give, from its selection.json."""
+    for folder in _folders(out):
+        selection = read_selection(folder)
+        assert selection is not None
+        changed = [d.path for d in differences(folder)]
+        if changed:
+            write_folder(folder, selection)
+        click.echo(f"{folder}: {len(changed)} files changed")
+    return 0

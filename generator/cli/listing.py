@@ -1,0 +1,82 @@
+"""gen list targets|scenes|variants|models."""
+
+from __future__ import annotations
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from generator.scenes.models import MODELS
+from generator.scenes.scene import scenes
+from generator.targets.host import read_host
+from generator.targets.target import Target, targets
+from generator.variants.axes import AXES
+from generator.variants.presets import PRESETS
+from generator.variants.rules import RULES
+
+
+@click.command("list")
+@click.argument("what", type=click.Choice(["targets", "scenes", "variants", "models"]))
+def list_rows(what: str) -> None:
+    """List what there is to choose from."""
+    tables = {"targets": _targets, "scenes": _scenes, "variants": _variants, "models": _models}
+    console = Console()
+    for table in tables[what]():
+        console.print(table)
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left", show_edge=False)
+    for column in columns:
+        table.add_column(column)
+    return table
+
+
+def _targets() -> list[Table]:
+    host = read_host()
+    table = _table("targets", "name", "what", "vector bits", "llvm-mca", "tested here")
+    for target in targets().values():
+        bits = str(target.row.vector_bits)
+        tested = how_tested(target, host.target.name, host.runs(target))
+        table.add_row(target.name, target.row.text, bits, target.row.mca_cpu, tested)
+    return [table]
+
+
+def how_tested(target: Target, host: str, runs: bool) -> str:
+    """How kernels for a target can be tested on this machine."""
+    if target.name == host:
+        return "timed"
+    return "run" if runs else "compiled only"
+
+
+def _scenes() -> list[Table]:
+    table = _table("scenes", "name", "what", "fixed", "model", "max error")
+    for scene in scenes().values():
+        fixed = ", ".join(f"{k} = {v:g}" for k, v in scene.fixed.items()) or "-"
+        table.add_row(scene.name, scene.text, fixed, scene.model, f"{scene.max_error:g}")
+    return [table]
+
+
+def _models() -> list[Table]:
+    table = _table("contact models", "name", "table slip point", "lift", "what")
+    for model in MODELS:
+        lift = "yes" if model.terms.lift else "no"
+        table.add_row(model.name, model.terms.table_slip_point, lift, model.text)
+    return [table]
+
+
+def _variants() -> list[Table]:
+    axes = _table("option axes (the first choice is the default)", "axis", "choice", "what")
+    for axis in AXES:
+        axes.add_section()
+        axes.add_row(axis.key, "", axis.text)
+        for choice in axis.choices:
+            axes.add_row("", choice.code, choice.text)
+    rules = _table("combinations that are refused", "rule", "reason")
+    for rule in RULES:
+        rules.add_row(rule.name, rule.reason)
+    presets = _table("presets", "name", "what", "options")
+    for preset in PRESETS:
+        options = " ".join(f"{k}={v}" for k, v in preset.options.items())
+        presets.add_row(preset.name, preset.text, options)
+    return [axes, rules, presets]

@@ -1,0 +1,92 @@
+"""The `gen` command."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from generator import __version__
+from generator.errors import InputError, KernelError
+
+
+class OneLineGroup(click.Group):
+    """Errors are one line and an exit status: 2 for wrong usage or input, 1 for a failed kernel."""
+
+    def main(self, *args, **kwargs):  # type: ignore[no-untyped-def]
+        kwargs["standalone_mode"] = False
+        try:
+            result = super().main(*args, **kwargs)
+        except click.exceptions.Exit as stop:
+            sys.exit(stop.exit_code)
+        except click.Abort:
+            sys.exit(130)
+        except click.ClickException as error:
+            _end(error.format_message(), 2)
+        except InputError as error:
+            _end(str(error), 2)
+        except KernelError as error:
+            _end(str(error), 1)
+        except KeyboardInterrupt:
+            sys.exit(130)
+        sys.exit(result if isinstance(result, int) else 0)
+
+
+def _end(message: str, status: int) -> None:
+    click.echo("gen: " + " ".join(message.split()), err=True)
+    sys.exit(status)
+
+
+@click.group(cls=OneLineGroup, invoke_without_command=True)
+@click.option("--target", help="CPU to generate for: native, zen3, ... (see list targets)")
+@click.option("--scene", default="any", show_default=True, help="what is known of a shot")
+@click.option("--model", help="contact model; default: the scene's")
+@click.option("--max-error", type=float, help="error budget, relative to the relative speed")
+@click.option("--out", type=click.Path(path_type=Path), help="folder instead of generated/")
+@click.option("--seconds", default=30.0, show_default=True, help="time for timing")
+@click.option("--check", is_flag=True, help="is generated/ what the sources give?")
+@click.option("--update", is_flag=True, help="make generated/ what the sources give")
+@click.version_option(__version__)
+@click.pass_context
+def gen(
+    context: click.Context,
+    target: str | None,
+    scene: str,
+    model: str | None,
+    max_error: float | None,
+    out: Path | None,
+    seconds: float,
+    check: bool,
+    update: bool,
+) -> int | None:
+    """Generate, verify, time and choose kernels for a frictional ball-ball collision."""
+    if context.invoked_subcommand is not None:
+        return None
+    if check or update:
+        from generator.cli.freshness import run_check, run_update
+
+        return run_check(out) if check else run_update(out)
+    if target is None:
+        raise click.UsageError("name a target, as ./gen --target native (or see ./gen --help)")
+    if max_error is not None:
+        raise click.UsageError("--max-error: no exact steppers yet")
+    from generator.cli.main_job import run_main_job
+
+    run_main_job(target, scene, model, out, seconds)
+    return None
+
+
+def _register() -> None:
+    from generator.cli import bench, collide, explain, listing
+
+    for command in (bench.bench, collide.collide, explain.explain, listing.list_rows):
+        gen.add_command(command)
+
+
+_register()
+
+
+def main() -> None:
+    """Entry point of the `gen` script."""
+    gen(prog_name="gen")

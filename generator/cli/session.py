@@ -1,0 +1,62 @@
+"""What every verb needs: the folders, the tools, a progress display."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from generator.choice.workbench import Workbench
+from generator.errors import InputError
+from generator.targets.host import Host, read_host
+from generator.targets.target import Target, find_target
+from generator.timing.bench_tool import build_bench_tool
+from generator.toolchain.compilers import find_compilers, missing
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def cache_folder() -> Path:
+    """Where builds and stored figures lie; CAROM_CACHE names another place."""
+    return Path(os.environ.get("CAROM_CACHE", ROOT / "build" / "cache"))
+
+
+def resolve_target(name: str) -> tuple[Target, Host]:
+    """The target that a name stands for; `native` is this host's CPU."""
+    host = read_host()
+    return (host.target if name == "native" else find_target(name)), host
+
+
+@contextmanager
+def workbench(quiet: bool = False) -> Iterator[Workbench]:
+    """A workbench whose progress shows on standard error what it is doing."""
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}", table_column=None),
+        BarColumn(bar_width=24),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=console, transient=True, disable=quiet) as bars:
+        task = bars.add_task("looking for compilers", total=None)
+        last = {"what": ""}
+
+        def show(what: str, done: int, of: int) -> None:
+            head = what.split(" (")[0]
+            if not console.is_terminal and head != last["what"] and not quiet:
+                console.print(f"carom: {what}", highlight=False)
+            last["what"] = head
+            bars.update(task, description=what, completed=done, total=of)
+
+        compilers = {c.code: c for c in find_compilers()}
+        if not compilers:
+            raise InputError("no C++ compiler found: apt-get install g++ clang-19")
+        if lacking := missing(compilers.values()):
+            console.print(f"carom: going on without: {lacking}", highlight=False)
+        show("building the bench", 0, 1)
+        tool = build_bench_tool(cache_folder())
+        yield Workbench(tool, cache_folder(), compilers, show)

@@ -1,0 +1,1 @@
+"""Emission: Jinja2 lays out what lowering decided; banners, formatting, files."""

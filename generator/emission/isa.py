@@ -1,0 +1,105 @@
+"""What an instruction set gives to emitted code: pragmas, estimates, 128-bit lanes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from generator.targets.target import Target
+
+# Features that compilers take by name in a target pragma, in a fixed order.
+_PRAGMA_FEATURES = (
+    "sse3",
+    "ssse3",
+    "sse4.1",
+    "sse4.2",
+    "popcnt",
+    "avx",
+    "avx2",
+    "fma",
+    "f16c",
+    "bmi",
+    "bmi2",
+    "avx512f",
+    "avx512vl",
+    "avx512dq",
+    "avx512bw",
+    "avx512cd",
+)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """How a scalar reciprocal square root is estimated."""
+
+    text: str
+    scalar: tuple[str, ...]
+    newton: int
+    relative_error: float
+
+
+def pragma_target(target: Target) -> str:
+    """Comma-separated features for a target pragma; empty where none is needed."""
+    if target.row.arch != "x86_64":
+        return ""
+    return ",".join(feature for feature in _PRAGMA_FEATURES if target.has(feature))
+
+
+def pragmas(target: Target, contract: bool) -> tuple[str, str]:
+    """Lines that begin and end code for a target, so that a user needs no compiler flags.
+
+    They also decide on contraction: compilers never fuse a product and a sum unseen.
+    """
+    features = pragma_target(target)
+    off = "fast" if contract else "off"
+    clang = [f"#pragma clang fp contract({off})"]
+    gcc = ["#pragma GCC push_options", f'#pragma GCC optimize("fp-contract={off}")']
+    clang_end, gcc_end = [], ["#pragma GCC pop_options"]
+    if features:
+        gcc.append(f'#pragma GCC target("{features}")')
+        attribute = f'__attribute__((target("{features}")))'
+        clang.append(f"#pragma clang attribute push({attribute}, apply_to = function)")
+        clang_end = ["#pragma clang attribute pop"]
+    begin = ["#if defined(__clang__)", *clang, "#elif defined(__GNUC__)", *gcc, "#endif"]
+    end = ["#if defined(__clang__)", *clang_end, "#elif defined(__GNUC__)", *gcc_end, "#endif"]
+    return "\n".join(begin), "\n".join(end)
+
+
+def estimate(target: Target, newton: int) -> Estimate:
+    """The best scalar estimate that a target has."""
+    if target.has("avx512f"):
+        line = "return _mm_cvtsd_f64(_mm_rsqrt14_sd(_mm_setzero_pd(), _mm_set_sd(n)));"
+        return Estimate("vrsqrt14sd (2^-14)", (line,), newton, 2.0**-14)
+    if target.has("sse2"):
+        lines = (
+            "const __m128 low = _mm_cvtsd_ss(_mm_setzero_ps(), _mm_set_sd(n));",
+            "return static_cast<double>(_mm_cvtss_f32(_mm_rsqrt_ss(low)));",
+        )
+        return Estimate("rsqrtss (1.5 * 2^-12)", lines, newton, 1.5 * 2.0**-12)
+    return Estimate("frsqrte (2^-8)", ("return vrsqrted_f64(n);",), newton, 2.0**-8)
+
+
+def pair_root(target: Target, method: str) -> tuple[str, ...]:
+    """Lines of pair_rsqrt: `n` in, the two inverse roots out, 0 for 0."""
+    newton = int(method[-1]) if method.startswith("est") else 0
+    if not newton or not target.has("sse2"):
+        return ("return Pair{exact_rsqrt(n[0]), exact_rsqrt(n[1])};",)
+    check = (
+        "if (__builtin_expect(!(n[0] > kEstimateLow && n[0] < kEstimateHigh && "
+        "n[1] > kEstimateLow && n[1] < kEstimateHigh), 0)) {",
+        "return Pair{exact_rsqrt(n[0]), exact_rsqrt(n[1])};",
+        "}",
+    )
+    if target.has("avx512vl"):
+        first = "Pair y = _mm_rsqrt14_pd(n);"
+    else:
+        first = "Pair y = _mm_cvtps_pd(_mm_rsqrt_ps(_mm_cvtpd_ps(n)));"
+    steps = ("y = y + 0.5 * y * (1.0 - n * y * y);",) * newton
+    return (*check, first, *steps, "return y;")
+
+
+def pair_fma(target: Target) -> str:
+    return "_mm_fmadd_pd" if target.has("fma") and target.row.arch == "x86_64" else ""
+
+
+def intrinsics_header(target: Target) -> str:
+    return "immintrin.h" if target.row.arch == "x86_64" else "arm_neon.h"

@@ -1,0 +1,14 @@
+"""The errors that reach a user, by exit status."""
+
+from __future__ import annotations
+
+
+class InputError(Exception):
+    """Wrong usage or input: one line that names the place, what is wrong and what would be right.
+
+    The command line prints the line and exits with 2; nothing has been written.
+    """
+
+
+class KernelError(Exception):
+    """A check or a kernel failed: the command line prints the line and exits with 1."""

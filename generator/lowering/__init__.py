@@ -1,0 +1,1 @@
+"""Lowering: SymPy expressions become ordered C++ statements with counted operations."""

@@ -1,0 +1,1 @@
+"""Mechanics: SymPy derives the collision from contact points, impulses and their moments."""

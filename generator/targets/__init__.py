@@ -1,0 +1,1 @@
+"""Targets: CPUs as data, and which of them this machine is."""

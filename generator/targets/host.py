@@ -1,0 +1,78 @@
+"""Which CPU this machine is, read from /proc/cpuinfo."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator.targets.target import Target, find_target, targets
+
+# Spellings of /proc/cpuinfo that differ from the compilers'.
+_SPELLINGS = {
+    "sse4_1": "sse4.1",
+    "sse4_2": "sse4.2",
+    "pni": "sse3",
+    "bmi1": "bmi",
+    "abm": "lzcnt",
+    "asimd": "neon",
+}
+
+# (vendor, family) or (vendor, family, model) of known CPUs.
+_KNOWN = {
+    ("AuthenticAMD", 23): "zen2",
+    ("AuthenticAMD", 25): "zen3",
+    ("AuthenticAMD", 26): "zen5",
+    ("GenuineIntel", 6, 85): "skylake-avx512",
+    ("GenuineIntel", 6, 143): "sapphirerapids",
+    ("GenuineIntel", 6, 207): "sapphirerapids",
+}
+
+
+@dataclass(frozen=True)
+class Host:
+    """This machine's CPU."""
+
+    cpu: str
+    features: frozenset[str]
+    target: Target
+    exact: bool  # is the target this CPU, or only its nearest ancestor?
+
+    def runs(self, target: Target) -> bool:
+        return target.row.arch == platform.machine() and target.features <= self.features
+
+
+def _fields(text: str) -> dict[str, str]:
+    first = text.split("\n\n")[0]
+    pairs = (line.split(":", 1) for line in first.splitlines() if ":" in line)
+    return {key.strip(): value.strip() for key, value in pairs}
+
+
+def _known(fields: dict[str, str]) -> str | None:
+    vendor = fields.get("vendor_id", "")
+    family, model = int(fields.get("cpu family", -1)), int(fields.get("model", -1))
+    name = _KNOWN.get((vendor, family, model)) or _KNOWN.get((vendor, family))
+    if name == "zen3" and "avx512f" in fields.get("flags", ""):
+        return "zen4"
+    return name
+
+
+def read_host(cpuinfo: str | None = None) -> Host:
+    """This machine as a target; an unknown CPU becomes its nearest ancestor."""
+    text = cpuinfo if cpuinfo is not None else Path("/proc/cpuinfo").read_text(encoding="utf-8")
+    fields = _fields(text)
+    flags = fields.get("flags", fields.get("Features", "")).split()
+    features = frozenset(_SPELLINGS.get(flag, flag) for flag in flags)
+    cpu = fields.get("model name", platform.machine())
+    name = _known(fields)
+    if name is not None and targets()[name].features <= features:
+        return Host(cpu, features, find_target(name), exact=True)
+    arch = platform.machine()
+    fits = [t for t in targets().values() if t.row.arch == arch and t.features <= features]
+    generic = [t for t in fits if t.name.startswith("x86-64-v")] or fits
+    best = max(generic, key=lambda t: len(t.features), default=None)
+    if best is None:
+        from generator.errors import InputError
+
+        raise InputError(f"--target native: {cpu} has no target here; name one with --target")
+    return Host(cpu, features, best, exact=False)

@@ -1,0 +1,83 @@
+"""A target CPU: instruction sets, compiler flags, llvm-mca's name for it."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib import resources
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from generator.errors import InputError
+
+
+class TargetRow(BaseModel):
+    """One table of targets.toml, as written."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+    text: str
+    arch: str
+    parent: str | None = None
+    adds: tuple[str, ...] | list[str] = ()
+    march: str
+    march_gcc_fallback: str | None = None
+    mca_cpu: str
+    vector_bits: int
+    vector_registers: int
+
+
+class Target(BaseModel):
+    """A target with everything that it inherits."""
+
+    model_config = ConfigDict(frozen=True)
+
+    name: str
+    row: TargetRow
+    features: frozenset[str]
+    ancestors: tuple[str, ...]
+
+    def has(self, feature: str) -> bool:
+        return feature in self.features
+
+    @property
+    def has_rsqrt_estimate(self) -> bool:
+        return self.has("sse2") or self.has("neon")
+
+
+def load_rows(text: str, source: str) -> dict[str, TargetRow]:
+    """Parse a targets file. Raises InputError that names the file and the key."""
+    try:
+        return {name: TargetRow(**table) for name, table in tomllib.loads(text).items()}
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{source}: not valid TOML: {error}") from None
+    except (ValidationError, TypeError) as error:
+        first = error.errors()[0] if isinstance(error, ValidationError) else {"msg": str(error)}
+        where = ".".join(str(part) for part in first.get("loc", ()))
+        raise InputError(f"{source}: key {where}: {first['msg']}") from None
+
+
+def _inherit(name: str, rows: dict[str, TargetRow]) -> Target:
+    chain = [name]
+    while (parent := rows[chain[-1]].parent) is not None:
+        if parent not in rows or parent in chain:
+            raise InputError(f"targets.toml: {chain[-1]}.parent: no target '{parent}' above it")
+        chain.append(parent)
+    features = frozenset(feature for link in chain for feature in rows[link].adds)
+    return Target(name=name, row=rows[name], features=features, ancestors=tuple(chain[1:]))
+
+
+@cache
+def targets() -> dict[str, Target]:
+    """All targets by name, in the order of the file."""
+    source = resources.files("generator.targets") / "targets.toml"
+    rows = load_rows(source.read_text(encoding="utf-8"), "generator/targets/targets.toml")
+    return {name: _inherit(name, rows) for name in rows}
+
+
+def find_target(name: str) -> Target:
+    """A target by its name. Raises InputError naming the targets there are."""
+    known = targets()
+    if name not in known:
+        raise InputError(f"--target {name}: no such target; there are native, {', '.join(known)}")
+    return known[name]

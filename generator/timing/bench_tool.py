@@ -1,0 +1,192 @@
+"""carom_bench from Python: built once for its sources, run as a process of its own.
+
+A candidate kernel may crash or never end; it takes only that process with it.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import shutil
+import signal
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from generator.errors import KernelError
+from generator.timing.plan import Array, TimingPlan
+from generator.timing.ratios import TimingRun, timing_run
+from generator.toolchain.process import run
+
+ROOT = Path(__file__).parents[2]
+BUILD_TIMEOUT = 600.0  # seconds
+RUN_TIMEOUT = 120.0
+CASE_COLUMNS, OUTCOME_COLUMNS, EXPECTED_COLUMNS = 24, 13, 14  # of bench/case_rows.h
+_SUFFIXES = (".h", ".cpp", ".txt")
+Method = Literal["exact", "euler"]
+
+
+@dataclass(frozen=True)
+class CaseSet:
+    """Cases in rows of 24 and the kind of each."""
+
+    rows: Array
+    kinds: tuple[str, ...]
+
+
+def _reason(code: int, message: str) -> str:
+    if code >= 0:
+        return message or f"exit status {code}"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    return f"crashed with {name}"
+
+
+def _write(path: Path, rows: Array) -> Path:
+    np.ascontiguousarray(rows, dtype=np.float64).tofile(path)
+    return path
+
+
+def _read(path: Path, columns: int, rows: int) -> Array:
+    values = np.fromfile(path, dtype=np.float64)
+    if len(values) != rows * columns:
+        raise KernelError(f"carom_bench wrote {len(values)} values, not {rows} rows of {columns}")
+    return values.reshape(rows, columns)
+
+
+@dataclass(frozen=True)
+class BenchTool:
+    """A built carom_bench. Every method raises KernelError with the reason when it fails."""
+
+    executable: Path
+
+    def _run(self, command: str, *arguments: object, timeout: float = RUN_TIMEOUT) -> None:
+        words = [str(self.executable), command, *map(str, arguments)]
+        done = run(words, timeout)
+        if done.code != 0:
+            message = done.first_error if done.errors or done.output else ""
+            raise KernelError(f"carom_bench {command}: {_reason(done.code, message)}")
+
+    def make_cases(
+        self,
+        seed: int,
+        count: int,
+        mixed: bool = True,
+        fixed: Mapping[str, float] | None = None,
+    ) -> CaseSet:
+        """Random cases: the mixture of real shots and hard kinds, or all kinds in turn.
+
+        `fixed`: parameters that are the same for all; a new R keeps every R w.
+        """
+        fixes = [f"--fix={key}={value!r}" for key, value in (fixed or {}).items()]
+        with tempfile.TemporaryDirectory() as name:
+            out, kinds = Path(name, "cases"), Path(name, "kinds")
+            choice = "--mixed" if mixed else "--random"
+            files = ("--out", out, "--kinds", kinds)
+            self._run("cases", choice, "--seed", seed, "--count", count, *files, *fixes)
+            rows = _read(out, CASE_COLUMNS, count)
+            return CaseSet(rows, tuple(kinds.read_text("utf-8").split()))
+
+    def expect(self, cases: Array, method: Method, model: str, steps: int = 1000) -> Array:
+        """What must come out, in rows of 14; `steps` is for euler, which is in long double."""
+        with tempfile.TemporaryDirectory() as name:
+            files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
+            options = ("--method", method, "--model", model, "--steps", steps)
+            self._run("expect", *options, *files, timeout=RUN_TIMEOUT + 0.05 * len(cases))
+            return _read(Path(name, "out"), EXPECTED_COLUMNS, len(cases))
+
+    def run_kernel(
+        self,
+        library: Path,
+        cases: Array,
+        steps: int | None = None,
+        batch: bool = False,
+        in_place: bool = False,
+        timeout: float = RUN_TIMEOUT,
+    ) -> Array:
+        """What a kernel makes of the cases, in rows of 13.
+
+        `steps`: instead of its own; `batch`: through its batch function; `in_place`: the outcome
+        overwrites the input.
+        """
+        flags = ["--batch"] * batch + ["--in-place"] * in_place
+        options = ["--kernel", library, *([] if steps is None else ["--steps", steps]), *flags]
+        with tempfile.TemporaryDirectory() as name:
+            files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
+            self._run("run", *options, *files, timeout=timeout)
+            return _read(Path(name, "out"), OUTCOME_COLUMNS, len(cases))
+
+    def time(self, plan: TimingPlan) -> TimingRun:
+        """Times the kernels of a plan, which must have passed verification."""
+        with tempfile.TemporaryDirectory() as name:
+            cases = _write(Path(name, "cases"), plan.cases)
+            seeds = plan.seed_cases
+            seed_path = None if seeds is None else _write(Path(name, "seeds"), seeds)
+            file, out = Path(name, "plan.json"), Path(name, "result.json")
+            file.write_text(json.dumps(plan.document(cases, seed_path)), encoding="utf-8")
+            limit = plan.seconds + RUN_TIMEOUT
+            self._run("time", "--plan", file, "--out", out, timeout=limit)
+            return timing_run(json.loads(out.read_text("utf-8")))
+
+
+def _sources(root: Path) -> list[Path]:
+    folders = (root / "bench", root / "tests" / "oracle")
+    found = [path for folder in folders for path in folder.rglob("*") if path.suffix in _SUFFIXES]
+    return sorted([root / "CMakeLists.txt", *found])
+
+
+def source_hash(root: Path = ROOT) -> str:
+    """A hash of everything that carom_bench is built from."""
+    digest = hashlib.sha256()
+    for path in _sources(root):
+        digest.update(f"{path.relative_to(root)}\0".encode() + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    with path.open("w", encoding="utf-8") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _checked(command: Sequence[str], what: str) -> None:
+    done = run(command, BUILD_TIMEOUT)
+    if done.code != 0:
+        raise KernelError(f"{what} carom_bench: {done.first_error}")
+
+
+def _build(root: Path, folder: Path) -> Path:
+    if shutil.which("cmake") is None or shutil.which("ninja") is None:
+        raise KernelError(
+            "building carom_bench: no cmake or ninja: apt-get install cmake ninja-build"
+        )
+    options = ("-DCAROM_BUILD_TESTS=OFF", "-DCMAKE_BUILD_TYPE=Release")
+    _checked(["cmake", "-S", str(root), "-B", str(folder), "-G", "Ninja", *options], "configuring")
+    _checked(["ninja", "-C", str(folder), "carom_bench"], "building")
+    return folder / "bench" / "carom_bench"
+
+
+def build_bench_tool(cache: Path, root: Path = ROOT) -> BenchTool:
+    """carom_bench for the sources as they are, taken from the cache if it is there.
+
+    Raises KernelError with the first error of CMake or of the compiler.
+    """
+    cache.mkdir(parents=True, exist_ok=True)
+    kept = cache / f"carom_bench-{source_hash(root)}"
+    with _locked(cache / "carom_bench.lock"):
+        if not kept.exists():
+            built = _build(root, cache / "carom_bench-build")
+            fresh = cache / f"carom_bench.{os.getpid()}.tmp"
+            shutil.copy2(built, fresh)
+            fresh.replace(kept)
+    return BenchTool(kept)

@@ -1,0 +1,157 @@
+"""Ratios, intervals and ties out of the rounds of a timing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import binom
+
+from generator.errors import KernelError
+from generator.timing.plan import Array
+
+CONFIDENCE = 0.95
+LEAST_BAND = 0.005  # the A/A band is never narrower than this to either side
+
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class TimingResult:
+    """How fast a kernel is. Times are medians over the rounds, for one collision."""
+
+    name: str
+    ns: float
+    cycles: float  # of the time stamp counter, which ticks at a constant rate
+    ratio: float  # median of time / baseline's time in the same round
+    ratio_ci: Interval
+    latency_ns: float | None  # each collision fed by the last
+    tie: bool  # with the fastest
+    seed_ns: float | None = None  # on the seed cases
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Per round and kernel: ns and ticks for one collision, and the baseline's second turn."""
+
+    ns: Mapping[str, Array]
+    ticks: Mapping[str, Array]
+    control: Array  # ns
+
+
+@dataclass(frozen=True)
+class TimingRun:
+    """Everything that carom_bench measured."""
+
+    baseline: str
+    rounds: int
+    throughput: Measurement
+    latency: Measurement | None
+    seed_cases: Measurement | None
+    tsc_ghz: float
+    cpu: int  # the CPU that the thread was kept on, or -1
+
+
+def median_interval(values: Array, confidence: float = CONFIDENCE) -> Interval:
+    """Where the median lies, from order statistics: no assumption but independent rounds.
+
+    With too few values for the confidence, all of their range.
+    """
+    ordered = np.sort(np.asarray(values, dtype=float))
+    # The least count below the median that is not too rare; leave out one less at either end.
+    count = int(binom.ppf((1 - confidence) / 2, len(ordered), 0.5))
+    left_out = max(count - 1, 0)
+    return float(ordered[left_out]), float(ordered[len(ordered) - 1 - left_out])
+
+
+def _measurement(document: dict[str, Any] | None) -> Measurement | None:
+    if document is None:
+        return None
+    kernels = document["kernels"]
+    return Measurement(
+        ns={k["name"]: np.array(k["ns_per_collision"]) for k in kernels},
+        ticks={k["name"]: np.array(k["tsc_cycles_per_collision"]) for k in kernels},
+        control=np.array(document["control"]["ns_per_collision"]),
+    )
+
+
+def timing_run(document: dict[str, Any]) -> TimingRun:
+    """carom_bench's result. Raises KernelError if it is not complete."""
+    try:
+        throughput = _measurement(document["throughput"])
+        if throughput is None:
+            raise KeyError("throughput")
+        names = list(throughput.ns)
+        return TimingRun(
+            baseline=names[document["baseline"]],
+            rounds=document["rounds"],
+            throughput=throughput,
+            latency=_measurement(document["latency"]),
+            seed_cases=_measurement(document["seed_cases"]),
+            tsc_ghz=document["tsc_ghz"],
+            cpu=document["cpu"],
+        )
+    except (KeyError, IndexError, TypeError) as error:
+        raise KernelError(f"the timing's result is not complete: {error}") from None
+
+
+def control_band(run: TimingRun) -> Interval:
+    """The A/A control: ratios that the baseline has to itself, at least 0.5 % to either side.
+
+    What was seen to one side might as well have been to the other, so both are as wide.
+    """
+    low, high = median_interval(run.throughput.control / run.throughput.ns[run.baseline])
+    width = max(high - 1, 1 / low - 1, LEAST_BAND)
+    return 1 / (1 + width), 1 + width
+
+
+def _ties_with(run: TimingRun, name: str, best: str) -> bool:
+    ratios = run.throughput.ns[name] / run.throughput.ns[best]
+    low, high = control_band(run)
+    ci_low, ci_high = median_interval(ratios)
+    return low <= float(np.median(ratios)) <= high or ci_low <= 1 <= ci_high
+
+
+def ties(run: TimingRun, best: str, among: Iterable[str] | None = None) -> tuple[str, ...]:
+    """Kernels that cannot be told from `best`, itself included, in the plan's order.
+
+    They are those whose ratio to it in the same rounds lies within the A/A band, or whose interval
+    of that ratio includes 1. `among`: the only ones that count, as those that passed.
+    """
+    names = set(run.throughput.ns if among is None else among)
+    return tuple(n for n in run.throughput.ns if n in names and _ties_with(run, n, best))
+
+
+def _median(measurement: Measurement | None, name: str) -> float | None:
+    if measurement is None or name not in measurement.ns:
+        return None
+    return float(np.median(measurement.ns[name]))
+
+
+def _result(run: TimingRun, name: str, tie: bool) -> TimingResult:
+    ratios = run.throughput.ns[name] / run.throughput.ns[run.baseline]
+    return TimingResult(
+        name=name,
+        ns=float(np.median(run.throughput.ns[name])),
+        cycles=float(np.median(run.throughput.ticks[name])),
+        ratio=float(np.median(ratios)),
+        ratio_ci=median_interval(ratios),
+        latency_ns=_median(run.latency, name),
+        tie=tie,
+        seed_ns=_median(run.seed_cases, name),
+    )
+
+
+def fastest(run: TimingRun, among: Iterable[str] | None = None) -> str:
+    """The kernel with the lowest median ratio to the baseline."""
+    base = run.throughput.ns[run.baseline]
+    names = list(run.throughput.ns if among is None else among)
+    return min(names, key=lambda name: float(np.median(run.throughput.ns[name] / base)))
+
+
+def timing_results(run: TimingRun) -> tuple[TimingResult, ...]:
+    """A result for each kernel, in the plan's order."""
+    tied = ties(run, fastest(run))
+    return tuple(_result(run, name, name in tied) for name in run.throughput.ns)

@@ -1,0 +1,61 @@
+"""Run a program without a shell and never wait for it without end."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator.errors import KernelError
+
+
+@dataclass(frozen=True)
+class Finished:
+    """What a program left behind."""
+
+    code: int
+    output: str
+    errors: str
+
+    @property
+    def first_error(self) -> str:
+        """The first line that reports an error, or the first line there is."""
+        lines = [line.strip() for line in (self.errors or self.output).splitlines() if line.strip()]
+        if not lines:
+            return f"no message, exit status {self.code}"
+        return next((line for line in lines if "error" in line.lower()), lines[0])
+
+
+def run(
+    command: Sequence[str], timeout: float, cwd: Path | None = None, text: str = ""
+) -> Finished:
+    """Run a command with messages in English; at the time-out its whole process group is killed.
+
+    Raises KernelError where the program cannot be started or takes longer than `timeout` seconds.
+    """
+    try:
+        process = subprocess.Popen(
+            list(command),
+            cwd=cwd,
+            env={**os.environ, "LC_ALL": "C"},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            start_new_session=True,  # a compiler driver's children are killed with it
+        )
+    except OSError as error:
+        raise KernelError(f"cannot run {command[0]}: {error.strerror or error}") from None
+    try:
+        output, errors = process.communicate(text, timeout=timeout)
+    except subprocess.TimeoutExpired:
+        raise KernelError(f"{Path(command[0]).name} took longer than {timeout:g} s") from None
+    finally:
+        if process.returncode is None:  # timed out or interrupted
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+    return Finished(process.returncode, output, errors)

@@ -1,0 +1,1 @@
+"""The variant registry: option axes, legal combinations, names and presets."""

@@ -1,0 +1,155 @@
+"""The option axes of a kernel: one registry, from which names, checks, docs and tables derive.
+
+To add an option: one `Choice` here, its rule (if not everything may be combined with it) in
+rules.py, and the code that lays it out in lowering/ or templates/.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One value of an axis; `code` is its field in kernel names."""
+
+    code: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One independent decision about how a kernel is written or compiled."""
+
+    key: str
+    text: str
+    choices: tuple[Choice, ...]  # the first one is the default
+    family: str = "euler"  # which steppers have it: "euler", "exact" or "all"
+
+    @property
+    def default(self) -> str:
+        return self.choices[0].code
+
+    def codes(self) -> tuple[str, ...]:
+        return tuple(choice.code for choice in self.choices)
+
+
+def _axis(key: str, text: str, family: str, **choices: str) -> Axis:
+    pairs = tuple(Choice(code.rstrip("_"), meaning) for code, meaning in choices.items())
+    return Axis(key, text, pairs, family)
+
+
+AXES: tuple[Axis, ...] = (
+    _axis(
+        "state",
+        "what the loop carries",
+        "euler",
+        full="the ten velocities (twelve with lift), slips made from them",
+        reduced="the slips alone; velocities recovered after the loop",
+    ),
+    _axis(
+        "store",
+        "register scoping",
+        "euler",
+        named="a named scalar each",
+        arrays="small arrays, one a vector",
+        blocks="scalars with temporaries confined to blocks",
+    ),
+    _axis(
+        "reuse",
+        "what is kept between uses",
+        "euler",
+        keep="increments kept in variables, as the paper writes them",
+        recompute="increments written out where they are used",
+        precompute="products of constants made before the loop; speeds instead of impulses",
+        factored="as precompute, and 1/|c| multiplied in last, off the critical chain",
+    ),
+    _axis(
+        "order",
+        "order of statements",
+        "euler",
+        paper="as the paper lists them",
+        chain="the chain slip -> 1/|c| -> slip first",
+    ),
+    _axis(
+        "rsqrt",
+        "reciprocal of a slip's length",
+        "euler",
+        div="sqrt, then a division for each component",
+        inv="sqrt and one division",
+        est1="hardware estimate and one Newton step",
+        est2="hardware estimate and two Newton steps",
+        prev="the last iteration's value and one Newton step, checked",
+        ahead="the last two iterations' values extrapolated and one Newton step, checked",
+    ),
+    _axis(
+        "roots",
+        "square roots an iteration",
+        "euler",
+        three="all three at the end of the iteration, as the report",
+        two="two, each where it is used",
+        early="two or three at the start, before any branch",
+    ),
+    _axis(
+        "fma",
+        "fused multiply-add",
+        "all",
+        nofma="none, contraction off",
+        autofma="left to the compiler",
+        fma="placed by the generator, contraction off",
+    ),
+    _axis(
+        "branch",
+        "branches of an iteration",
+        "euler",
+        nested="nested as in the report",
+        likely="nested, the usual side annotated",
+        inverted="everything computed, then masked by ?:",
+        bitmask="everything computed, then masked by bits",
+        chosen="pressed ball chosen before the loop; nested loop as the fallback",
+    ),
+    _axis(
+        "loop",
+        "phases",
+        "euler",
+        onestage="one loop for compression and restitution",
+        twostage="a loop for each",
+    ),
+    _axis(
+        "simd",
+        "SIMD inside one collision",
+        "euler",
+        scalar="none",
+        prepost="before and after the loop",
+        balls="lanes are the two balls",
+        slips="lanes are the contact slip and the table slip",
+    ),
+    _axis(
+        "compiler",
+        "compiler",
+        "all",
+        gcc="GCC",
+        clang="Clang, the newest found",
+        clangold="Clang, the system's default when it is another",
+    ),
+    _axis(
+        "flags",
+        "compiler flags",
+        "all",
+        strict="-O3, IEEE arithmetic",
+        report="the report's: -Ofast -fno-math-errno -funroll-loops -ftree-vectorize",
+    ),
+)
+
+
+def axes_of(family: str) -> tuple[Axis, ...]:
+    """The axes that kernels of a stepper family have, in name order."""
+    return tuple(axis for axis in AXES if axis.family in (family, "all"))
+
+
+def axis(key: str) -> Axis:
+    """The axis of that name; KeyError names those there are."""
+    for candidate in AXES:
+        if candidate.key == key:
+            return candidate
+    raise KeyError(f"no option axis '{key}'; there are {', '.join(a.key for a in AXES)}")

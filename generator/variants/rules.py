@@ -1,0 +1,150 @@
+"""Which combinations of options are legal, each refusal with its name and reason."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from generator.targets.target import Target
+from generator.variants.variant import Variant
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A combination that cannot be: `breaks` tells whether a variant on a target is one."""
+
+    name: str
+    reason: str
+    breaks: Callable[[Variant, Target], bool]
+
+
+def _euler(test: Callable[[Variant], bool]) -> Callable[[Variant, Target], bool]:
+    return lambda v, _target: v.stepper.family == "euler" and test(v)
+
+
+RULES: tuple[Rule, ...] = (
+    Rule(
+        "fma-needs-hardware",
+        "the target has no fused multiply-add, and a library call for each would be slow",
+        lambda v, t: v.get("fma") in ("fma", "autofma") and not t.has("fma"),
+    ),
+    Rule(
+        "estimate-needs-hardware",
+        "the target has no instruction that estimates a reciprocal square root",
+        lambda v, t: v.get("rsqrt") in ("est1", "est2") and not t.has_rsqrt_estimate,
+    ),
+    Rule(
+        "recompute-needs-full-state",
+        "the reduced state has no slips to make again from velocities",
+        _euler(lambda v: v["reuse"] == "recompute" and v["state"] == "reduced"),
+    ),
+    Rule(
+        "reduced-needs-products",
+        "the reduced state is in speeds: use reuse=precompute or factored with it",
+        _euler(lambda v: v["state"] == "reduced" and v["reuse"] not in ("precompute", "factored")),
+    ),
+    Rule(
+        "recompute-needs-later-roots",
+        "slips made at the start of an iteration have no roots at its end: use roots=two or early",
+        _euler(lambda v: v["reuse"] == "recompute" and v["roots"] == "three"),
+    ),
+    Rule(
+        "chosen-needs-products",
+        "the loop for one pressed ball works in speeds: use reuse=precompute or factored with it",
+        _euler(
+            lambda v: v["branch"] == "chosen" and v["reuse"] not in ("precompute", "factored")
+        ),
+    ),
+    Rule(
+        "chosen-needs-inverse",
+        "without a branch for a table slip of zero the division by its length would be 0/0",
+        _euler(lambda v: v["branch"] == "chosen" and v["rsqrt"] == "div"),
+    ),
+    Rule(
+        "chosen-has-one-table-root",
+        "with the pressed ball known there is no branch to make a root in: use roots=early or three",
+        _euler(lambda v: v["branch"] == "chosen" and v["roots"] == "two"),
+    ),
+    Rule(
+        "balls-need-full-state",
+        "lanes that are balls carry the balls' velocities: use state=full",
+        _euler(lambda v: v["simd"] == "balls" and v["state"] != "full"),
+    ),
+    Rule(
+        "factored-needs-reduced",
+        "1/|c| can be multiplied in last only where the loop carries the slips and one pressed ball",
+        _euler(
+            lambda v: v["reuse"] == "factored"
+            and (v["state"] != "reduced" or v["branch"] != "chosen")
+        ),
+    ),
+    Rule(
+        "factored-needs-inverse",
+        "factored needs 1/|c| itself, not a division for each component",
+        _euler(lambda v: v["reuse"] == "factored" and v["rsqrt"] == "div"),
+    ),
+    Rule(
+        "refine-needs-early-roots",
+        "refining the last iteration's value needs the root to be made in every iteration",
+        _euler(lambda v: v["rsqrt"] in ("prev", "ahead") and v["roots"] != "early"),
+    ),
+    Rule(
+        "masks-need-early-roots",
+        "with everything computed and masked there is no branch to make a root in or after",
+        _euler(lambda v: v["branch"] in ("inverted", "bitmask") and v["roots"] == "two"),
+    ),
+    Rule(
+        "balls-need-bitmask",
+        "lanes that are balls are masked, not branched on",
+        _euler(lambda v: v["simd"] == "balls" and v["branch"] != "bitmask"),
+    ),
+    Rule(
+        "balls-need-plain-root",
+        "lanes that are balls make their roots afresh each iteration, as the report does",
+        _euler(
+            lambda v: v["simd"] == "balls"
+            and (v["rsqrt"] in ("prev", "ahead", "div") or v["roots"] != "early")
+        ),
+    ),
+    Rule(
+        "balls-need-products",
+        "lanes that are balls work in speeds: use reuse=precompute with them",
+        _euler(lambda v: v["simd"] == "balls" and v["reuse"] != "precompute"),
+    ),
+    Rule(
+        "slips-need-chosen",
+        "lanes that are slips need one pressed ball, the reduced state and its products",
+        _euler(
+            lambda v: v["simd"] == "slips"
+            and not (
+                v["branch"] == "chosen"
+                and v["state"] == "reduced"
+                and v["reuse"] == "precompute"
+                and v["roots"] == "early"
+                and v["rsqrt"] not in ("div", "prev", "ahead")
+            )
+        ),
+    ),
+    Rule(
+        "vectors-need-names",
+        "a vector register is its own storage: use store=named with SIMD lanes",
+        _euler(lambda v: v["simd"] in ("balls", "slips") and v["store"] != "named"),
+    ),
+    Rule(
+        "chain-needs-early-roots",
+        "the chain can come first only where its root is made at the start of the iteration",
+        _euler(lambda v: v["order"] == "chain" and v["roots"] != "early"),
+    ),
+)
+
+
+def broken_rule(variant: Variant, target: Target) -> Rule | None:
+    """The first rule that a variant breaks on a target, or None where it is legal."""
+    return next((rule for rule in RULES if rule.breaks(variant, target)), None)
+
+
+def require_legal(variant: Variant, target: Target) -> None:
+    """Raise ValueError with the rule's name and reason where a combination is illegal."""
+    rule = broken_rule(variant, target)
+    if rule is not None:
+        raise ValueError(f"illegal combination ({rule.name}): {rule.reason}")

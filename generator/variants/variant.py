@@ -1,0 +1,85 @@
+"""A variant: everything that decides the text of one kernel and how it is compiled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+from generator.variants.axes import axes_of, axis
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """How the impulse is stepped: Euler with N steps, or an exact scheme with an error budget."""
+
+    name: str  # "euler", or the registry name of an exact stepper
+    steps: int | None = None
+    budget: float | None = None
+
+    @property
+    def family(self) -> str:
+        return "euler" if self.name == "euler" else "exact"
+
+    @property
+    def goal(self) -> str:
+        """The name field that says what is held fixed: `n1000` or `e1m06`."""
+        if self.steps is not None:
+            return f"n{self.steps}"
+        return "e" + f"{self.budget:.0e}".replace("e-", "m") if self.budget is not None else "free"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One kernel. `options` holds a choice for each axis of its family, in axis order."""
+
+    target: str
+    scene: str
+    model: str
+    stepper: Stepper
+    width: int
+    options: tuple[tuple[str, str], ...]
+
+    def __getitem__(self, key: str) -> str:
+        return dict(self.options)[key]
+
+    def get(self, key: str, otherwise: str = "") -> str:
+        return dict(self.options).get(key, otherwise)
+
+    def mapping(self) -> MappingProxyType[str, str]:
+        return MappingProxyType(dict(self.options))
+
+    def with_options(self, **changes: str) -> Variant:
+        """The same kernel with other choices; ValueError names a choice that does not exist."""
+        chosen = dict(self.options)
+        for key, code in changes.items():
+            chosen[key] = _checked(key, code)
+        ordered = tuple((a.key, chosen[a.key]) for a in axes_of(self.stepper.family))
+        return replace(self, options=ordered)
+
+    def distance_from_default(self) -> int:
+        """How many options differ from the default; ties are broken by it."""
+        return sum(code != axis(key).default for key, code in self.options)
+
+
+def _checked(key: str, code: str) -> str:
+    try:
+        codes = axis(key).codes()
+    except KeyError as error:
+        raise ValueError(error.args[0]) from None
+    if code not in codes:
+        raise ValueError(f"option {key} has no value '{code}'; it has {', '.join(codes)}")
+    return code
+
+
+def make_variant(
+    target: str,
+    scene: str,
+    model: str,
+    stepper: Stepper,
+    width: int = 1,
+    **options: str,
+) -> Variant:
+    """A variant with defaults for every option that is not named."""
+    defaults = tuple((a.key, a.default) for a in axes_of(stepper.family))
+    base = Variant(target, scene, model, stepper, width, defaults)
+    return base.with_options(**options)

@@ -1,0 +1,1 @@
+"""Verdicts on kernels: how far what they compute is from what must come out."""

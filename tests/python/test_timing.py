@@ -1,0 +1,207 @@
+"""carom_bench as the generator drives it, with the oracle in place of a kernel."""
+
+from __future__ import annotations
+
+import dataclasses
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from generator.errors import KernelError
+from generator.timing.bench_tool import ROOT, BenchTool, build_bench_tool
+from generator.timing.plan import PlannedKernel, TimingPlan
+from generator.timing.ratios import (
+    Measurement,
+    TimingRun,
+    control_band,
+    fastest,
+    median_interval,
+    ties,
+    timing_results,
+    timing_run,
+)
+from generator.verification.errors import STICKS, VELOCITIES, errors_of
+from generator.verification.euler import euler_verdict
+from generator.verification.exact import exact_verdict
+from generator.verification.reference import MODELS, load_reference
+
+ORACLE = ROOT / "tests" / "oracle"
+BAD = """
+#include <csignal>
+extern "C" int carom_probe_collide(const double*, const double*, const double*, double*, double*)
+{ %s return 0; }
+"""
+
+
+def compiled(folder: Path, name: str, source: str, *flags: str) -> Path:
+    library = folder / f"{name}.so"
+    command = ["c++", "-std=c++17", "-O2", "-shared", "-fPIC", "-ffp-contract=off", *flags]
+    command += [f"-I{ORACLE}", "-x", "c++", "-", "-o", str(library)]
+    subprocess.run(command, input=source, text=True, check=True, timeout=60)
+    return library
+
+
+@pytest.fixture(scope="session")
+def tool() -> BenchTool:
+    return build_bench_tool(ROOT / "build" / "bench-tool")  # one for all workers and later runs
+
+
+@pytest.fixture(scope="module")
+def oracle(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    source = (ORACLE / "probe_kernel.cpp").read_text("utf-8")
+    return compiled(tmp_path_factory.mktemp("oracle"), "oracle", source)
+
+
+def test_build_is_cached(tool: BenchTool) -> None:
+    assert build_bench_tool(tool.executable.parent) == tool
+
+
+def test_cases_are_seeded_and_parameters_fixed(tool: BenchTool) -> None:
+    plain = tool.make_cases(7, 300)
+    fixed = tool.make_cases(7, 300, fixed={"R": 0.028575, "e_b": 0.95})
+    assert np.array_equal(plain.rows, tool.make_cases(7, 300).rows)
+    assert not np.array_equal(plain.rows, tool.make_cases(8, 300).rows)
+    assert len(plain.kinds) == 300
+    assert set(fixed.rows[:, 0]) == {0.028575}
+    assert set(fixed.rows[:, 5]) == {0.95}
+    spins = [rows[:, [12, 13, 14, 21, 22, 23]] * rows[:, :1] for rows in (plain.rows, fixed.rows)]
+    assert spins[0] == pytest.approx(spins[1], rel=1e-12)
+
+
+def test_expected_results_are_the_reference(tool: BenchTool) -> None:
+    reference = load_reference()
+    for model in MODELS:
+        got = tool.expect(reference.cases, "exact", model)
+        verdict = exact_verdict(reference.cases, got, reference.exact[model], 1e-10)
+        print(f"{model}: {verdict.max_rel_error:.3g} of the relative speed")
+        assert verdict.passed, verdict.reason  # 1e-11 where positions far off cost digits
+        assert np.array_equal(got[:, STICKS], reference.exact[model][:, STICKS])
+
+
+def test_oracle_in_double_passes(tool: BenchTool, oracle: Path) -> None:
+    rows = np.vstack([load_reference().cases, tool.make_cases(5, 1500, mixed=False).rows])
+    exact = tool.expect(rows, "exact", "mathavan2014")
+    euler = tool.expect(rows, "euler", "mathavan2014")
+    got = tool.run_kernel(oracle, rows)
+    verdict = euler_verdict(rows, got, euler, exact, 1000)
+    print(verdict)
+    assert verdict.passed, verdict.reason
+    wrong = tool.run_kernel(oracle, rows, steps=999)
+    assert not euler_verdict(rows, wrong, euler, exact, 1000).passed
+
+
+def test_batch_in_place_and_steps_agree(tool: BenchTool, oracle: Path) -> None:
+    rows = tool.make_cases(9, 200, fixed={"R": 0.03, "M": 0.2, "u_s1": 0.2, "u_s2": 0.2}).rows
+    rows[3, 10] = np.nan
+    rows[4, 18:21] = 2 * rows[4, 9:12]
+    plain = tool.run_kernel(oracle, rows)
+    assert plain[3, VELOCITIES] == 2
+    assert errors_of(rows, plain, tool.run_kernel(oracle, rows, batch=True)).absolute.max() == 0
+    both = tool.run_kernel(oracle, rows, batch=True, in_place=True)
+    assert errors_of(rows, plain, both).absolute.max() == 0
+    steps = tool.run_kernel(oracle, rows, steps=1000, in_place=True)
+    assert errors_of(rows, plain, steps).absolute.max() == 0
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        ("std::raise(SIGSEGV);", "crashed with SIGSEGV"),
+        ("volatile bool on = true; while (on) {}", "took longer than 1 s"),
+    ],
+)
+def test_bad_kernels_are_named(tool: BenchTool, tmp_path: Path, body: str, reason: str) -> None:
+    library = compiled(tmp_path, "bad", BAD % body)
+    with pytest.raises(KernelError, match=reason):
+        tool.run_kernel(library, np.ones((1, 24)), timeout=1)
+
+
+def test_missing_kernel_and_function_are_named(tool: BenchTool, tmp_path: Path) -> None:
+    with pytest.raises(KernelError, match="cannot be loaded"):
+        tool.run_kernel(tmp_path / "none.so", np.ones((1, 24)))
+    library = compiled(tmp_path, "scalar", BAD % "")
+    with pytest.raises(KernelError, match="has no function carom_probe_batch"):
+        tool.run_kernel(library, np.ones((1, 24)), batch=True)
+
+
+def test_timing_tells_half_from_whole(tool: BenchTool, tmp_path: Path) -> None:
+    source = (ORACLE / "probe_kernel.cpp").read_text("utf-8")
+    flags = {"whole": 200, "again": 200, "half": 100}
+    built = {k: compiled(tmp_path, k, source, f"-DCAROM_PROBE_N={n}") for k, n in flags.items()}
+    plan = TimingPlan(
+        cases=tool.make_cases(1, 4096).rows,
+        kernels=tuple(
+            PlannedKernel(name, path, batch=name == "again", latency=name == "half")
+            for name, path in built.items()
+        ),
+        baseline="whole",
+        seed_cases=tool.make_cases(2, 5).rows,
+        rounds=60,
+        seconds=5,
+        block_ms=0.5,
+    )
+    run = tool.time(plan)
+    results = {result.name: result for result in timing_results(run)}
+    print(f"{run.rounds} rounds, A/A band {control_band(run)}, {run.tsc_ghz:.3f} GHz")
+    for result in results.values():
+        print(result)
+    assert 0.4 < results["half"].ratio < 0.6
+    assert results["half"].tie
+    assert not results["whole"].tie
+    assert results["whole"].ratio == 1
+    assert results["half"].latency_ns and results["half"].seed_ns
+    assert results["again"].latency_ns is None
+
+
+def planted(**ns: list[float]) -> TimingRun:
+    arrays = {name: np.array(values) for name, values in ns.items()}
+    control = arrays.pop("control")
+    series = Measurement(ns=arrays, ticks=arrays, control=control)
+    return TimingRun(next(iter(arrays)), len(control), series, None, None, 2.0, 0)
+
+
+def test_ties_need_the_band_or_the_interval() -> None:
+    rng = np.random.default_rng(1)
+    base = 100 + rng.normal(0, 0.1, 101)
+    run = planted(
+        base=list(base),
+        control=list(base * (1 + rng.normal(0, 1e-3, 101))),
+        near=list(base * 0.802),
+        best=list(base * 0.8),
+        slow=list(base * 0.82),
+        noisy=list(base * 0.8 * (1 + np.linspace(-0.2, 0.24, 101))),
+    )
+    print(control_band(run), [(r.name, r.ratio, r.ratio_ci) for r in timing_results(run)])
+    assert ties(run, "best") == ("near", "best", "noisy")
+    assert ties(run, "best", among=("best", "slow")) == ("best",)
+    assert control_band(run) == (1 / 1.005, 1.005)
+    assert fastest(run, ("base", "slow")) == "slow"
+    assert fastest(run) == "best"
+
+
+def test_control_band_widens_with_noise() -> None:
+    base = np.full(40, 100.0)
+    run = planted(base=list(base), control=list(base * 1.03))
+    assert control_band(run) == pytest.approx((1 / 1.03, 1.03))
+
+
+def test_median_interval_covers_the_median() -> None:
+    assert median_interval(np.arange(5.0)) == (0, 4)
+    assert median_interval(np.arange(1.0, 26.0)) == (8, 18)  # the tables' ranks for n = 25
+    rng = np.random.default_rng(2)
+    intervals = [median_interval(rng.exponential(size=41)) for _ in range(2000)]
+    share = np.mean([low <= np.log(2) <= high for low, high in intervals])
+    print(f"covers {share:.3f}")
+    assert 0.94 < share < 0.98
+
+
+def test_plans_and_results_are_checked() -> None:
+    kernel = PlannedKernel("a", Path("a.so"))
+    with pytest.raises(ValueError, match="baseline"):
+        TimingPlan(np.ones((1, 24)), (kernel,), "b")
+    with pytest.raises(ValueError, match="same name"):
+        TimingPlan(np.ones((1, 24)), (kernel, dataclasses.replace(kernel)), "a")
+    with pytest.raises(KernelError, match="not complete"):
+        timing_run({"throughput": None})

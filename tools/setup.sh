@@ -1,0 +1,180 @@
+# shellcheck shell=bash
+# Sets up what carom needs: system packages where it may, and .venv. Sourced by gen and check, which
+# give $root. Says on stderr what it does; does nothing, quickly, when nothing is to do.
+
+: "${root:?is set by gen and check}"
+
+# program or header | Debian package | needed ("hard") or only useful ("soft")
+carom_needs=(
+  "g++:g++:soft"
+  "clang++:clang:soft"
+  "clang++-19:clang-19:soft"
+  "llvm-mca-19:llvm-19:soft"
+  "cmake:cmake:hard"
+  "ninja:ninja-build:hard"
+  "include/gtest/gtest.h:libgtest-dev:soft"
+  "include/CLI/CLI.hpp:libcli11-dev:soft"
+  "include/nlohmann/json.hpp:nlohmann-json3-dev:soft"
+)
+
+carom_say() { printf 'carom: %s\n' "$*" >&2; }
+
+carom_fail() {
+  carom_say "$*"
+  exit 2
+}
+
+carom_has() {
+  case $1 in
+    include/*) [[ -e /usr/$1 || -e /usr/local/$1 ]] ;;
+    *) command -v "$1" >/dev/null ;;
+  esac
+}
+
+# The python that can make a .venv goes to $carom_python; fails where there is none.
+carom_find_python() {
+  local name
+  for name in python3 python3.14 python3.13 python3.12 python3.11; do
+    if command -v "$name" >/dev/null && "$name" -c \
+      'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+      carom_python=$(command -v "$name")
+      return 0
+    fi
+  done
+  return 1
+}
+
+# Packages that are missing go to $carom_missing, those without which nothing works to $carom_hard.
+carom_look() {
+  local need name package kind
+  carom_missing=() carom_hard=()
+  for need in "${carom_needs[@]}"; do
+    IFS=: read -r name package kind <<<"$need"
+    if ! carom_has "$name"; then
+      carom_missing+=("$package")
+      if [[ $kind == hard ]]; then carom_hard+=("$package"); fi
+    fi
+  done
+  if ! carom_has g++ && ! carom_has clang++ && ! carom_has clang++-19; then
+    carom_hard+=("g++")
+  fi
+  if [[ $1 == need-python ]] && ! carom_find_python; then
+    carom_missing+=("python3-venv")
+    carom_hard+=("python3-venv (Python 3.11 or later)")
+  fi
+}
+
+carom_apt() {
+  local log=$1 package known=()
+  shift
+  # dpkg needs the sbin folders, which a bare PATH may lack.
+  local apt=(env "PATH=$PATH:/usr/local/sbin:/usr/sbin:/sbin" DEBIAN_FRONTEND=noninteractive
+    apt-get -qq -o DPkg::Lock::Timeout=300)
+  carom_say "updating the package lists (apt-get update)"
+  "${apt[@]}" update >>"$log" 2>&1 || carom_say "apt-get update failed; going on with the old lists"
+  for package in "$@"; do
+    if [[ -n $(apt-cache show --no-all-versions "$package" 2>/dev/null) ]]; then
+      known+=("$package")
+    fi
+  done
+  if ((${#known[@]} == 0)); then return; fi
+  carom_say "installing ${known[*]} (apt-get install)"
+  if ! "${apt[@]}" install -y --no-install-recommends "${known[@]}" >>"$log" 2>&1; then
+    for package in "${known[@]}"; do # one that cannot be had must not keep the others away
+      "${apt[@]}" install -y --no-install-recommends "$package" >>"$log" 2>&1 || true
+    done
+  fi
+}
+
+# System packages. A set that could not be had is tried once, not in every run.
+carom_system() {
+  local python=$1 log
+  carom_look "$python"
+  if ((${#carom_missing[@]} == 0)) || carom_known_missing; then return; fi
+  if [[ $EUID -eq 0 ]] && command -v apt-get >/dev/null; then
+    log=$(mktemp -t carom-apt.XXXXXX)
+    carom_apt "$log" "${carom_missing[@]}"
+    hash -r
+    carom_look "$python"
+    if ((${#carom_missing[@]} == 0)); then rm -f "$log"; else carom_say "apt-get's log is $log"; fi
+  fi
+  if ((${#carom_hard[@]})); then
+    carom_fail "missing: ${carom_hard[*]}; as root: apt-get update && apt-get install ${carom_missing[*]}"
+  elif ((${#carom_missing[@]})); then
+    carom_say "going on without some useful packages; as root: apt-get install ${carom_missing[*]}"
+  fi
+}
+
+# What the stamp says when .venv is as it should be: the lock's hash, this folder (scripts in .venv
+# name it) and the Python behind it (which a system upgrade exchanges).
+carom_want() {
+  local hash
+  hash=$(sha256sum <"$root/requirements.lock")
+  printf '%s\n%s\n%s' "${hash%% *}" "$root" "$(readlink -f -- "$root/.venv/bin/python")"
+}
+
+# Leaves `current`, `stale` (the lock has changed, or there is no stamp) or `unusable` in $carom_state.
+carom_look_venv() {
+  local want stamp=""
+  carom_state=unusable
+  # Without pyvenv.cfg it would be the system's Python by another name.
+  [[ -x $root/.venv/bin/python && -e $root/.venv/pyvenv.cfg ]] || return 0
+  want=$(carom_want)
+  if [[ -e $root/.venv/carom-stamp ]]; then stamp=$(<"$root/.venv/carom-stamp"); fi
+  if [[ $stamp == "$want" ]]; then
+    carom_state=current
+  elif [[ -z $stamp || ${stamp#*$'\n'} == "${want#*$'\n'}" ]]; then
+    carom_state=stale
+  fi
+}
+
+carom_venv() {
+  local venv=$root/.venv log reason
+  if [[ $carom_state == unusable ]] || ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
+    carom_find_python || carom_fail "missing: Python 3.11 or later with its venv module (python3-venv)"
+    carom_say "making .venv with $carom_python"
+    "$carom_python" -m venv --clear "$venv" >&2 || carom_fail "cannot make $venv with $carom_python"
+  fi
+  carom_say "installing the pinned Python packages into .venv (about half a minute)"
+  log=$venv/carom-pip.log
+  if ! "$venv/bin/python" -m pip --require-virtualenv install --quiet --no-input \
+    --disable-pip-version-check -r "$root/requirements.lock" >"$log" 2>&1; then
+    reason=$(grep -m1 -i error "$log" || tail -n1 "$log")
+    carom_fail "pip could not install requirements.lock: $reason (log: $log)"
+  fi
+  carom_want >"$venv/carom-stamp"
+}
+
+# Were just these packages missing, none of them needed, when they were last tried?
+carom_known_missing() {
+  ((${#carom_hard[@]} == 0)) && [[ -e $root/.venv/carom-missing ]] &&
+    [[ $(<"$root/.venv/carom-missing") == "${carom_missing[*]}" ]]
+}
+
+carom_setup() {
+  [[ -r $root/requirements.lock ]] || carom_fail "$root/requirements.lock is missing: not a whole clone?"
+  carom_look_venv
+  carom_look have-python
+  if [[ $carom_state == current ]] && { ((${#carom_missing[@]} == 0)) || carom_known_missing; }; then
+    return
+  fi
+
+  # Something is to do: one process at a time does it, the others wait and then find it done.
+  exec 9<"$root/requirements.lock"
+  if command -v flock >/dev/null && ! flock -n 9; then
+    carom_say "waiting for another set-up of this clone"
+    flock 9
+  fi
+  carom_look_venv
+  if [[ $carom_state == unusable ]]; then carom_system need-python; else carom_system have-python; fi
+  if [[ $carom_state != current ]]; then carom_venv; fi
+  carom_look have-python
+  printf '%s\n' "${carom_missing[*]}" >"$root/.venv/carom-missing"
+  exec 9<&-
+}
+
+# The same Python for all: its own packages and this clone, nothing of the caller's.
+carom_environment() {
+  export PYTHONPATH=$root
+  unset PYTHONHOME PYTHONSTARTUP
+}
