@@ -17,9 +17,7 @@ from generator.errors import InputError
 @click.option("--model", help="only this contact model; default: all that were generated")
 @click.option("--json", "json_path", required=True, type=click.Path(path_type=Path))
 @click.option("--seconds", default=20.0, show_default=True, help="time for timing, each model")
-def bench(
-    target: str, scene: str, model: str | None, json_path: Path, seconds: float
-) -> int:
+def bench(target: str, scene: str, model: str | None, json_path: Path, seconds: float) -> int:
     """Verify and time the kernels of generated/<target>/<scene>/ and paper-initial."""
     from generator.choice.selection import read_selection
     from generator.cli.bench_rows import bench_rows
@@ -37,7 +35,9 @@ def bench(
     folder = ROOT / "generated" / target / scene
     selection = read_selection(folder)
     if selection is None:
-        raise InputError(f"{folder}: nothing generated; run ./gen --target {target} --scene {scene}")
+        raise InputError(
+            f"{folder}: nothing generated; run ./gen --target {target} --scene {scene}"
+        )
     entries = [e for e in selection.kernels if model in (None, e.model)]
     if not entries:
         raise InputError(f"{folder}: no kernel for --model {model}; run ./gen with that --model")

@@ -158,6 +158,8 @@ def _row(candidate: Candidate, choice: Choice, foreign: bool) -> list[str]:
     else:
         row += ["-", "-", "-", "-"]
     row.append(f"{verdict.max_abs_error:.1e}" if verdict else "-")
-    mark = "chosen" if candidate is choice.chosen else "tie" if candidate.name in choice.ties else ""
+    mark = (
+        "chosen" if candidate is choice.chosen else "tie" if candidate.name in choice.ties else ""
+    )
     row.append("rejected" if candidate.rejected else mark)
     return row

@@ -19,7 +19,9 @@ def format_source(text: str, filename: str) -> str:
     try:
         done = subprocess.run(command, input=text, capture_output=True, text=True, timeout=60)
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise KernelError(f"clang-format cannot run ({error}); run ./gen once to install it") from None
+        raise KernelError(
+            f"clang-format cannot run ({error}); run ./gen once to install it"
+        ) from None
     if done.returncode != 0:
         raise KernelError(f"clang-format failed on {filename}: {done.stderr.strip()[:200]}")
     return done.stdout

@@ -113,9 +113,7 @@ class FixedStepLowering:
         forms = [(n, f) for n, f in slips(self.terms).items() if only is None or n.name in only]
         member = {v: sp.Symbol(f"b.{v.name}", real=True) for v in (*s.V1, *s.V2, *SPIN_SYMBOLS)}
         printer = ExpressionPrinter(self.variant["fma"] == "fma")
-        assigns = [
-            Assign(n.name + suffix, form.subs(member), f"const {REAL}") for n, form in forms
-        ]
+        assigns = [Assign(n.name + suffix, form.subs(member), f"const {REAL}") for n, form in forms]
         return self._part(assigns, printer)
 
     # -- roots ---------------------------------------------------------------------------------
@@ -147,7 +145,8 @@ class FixedStepLowering:
             steps = int(method[-1])
             return f"rsqrt_newton{steps}({n})", OperationCounts(estimate=1) + newton * steps
         guess = f"g_{tag}" if method == "ahead" else f"i_{tag}"
-        return f"refined({n}, {guess})", newton
+        bound = "kRefineContact" if tag == "c" else "kRefineTable"
+        return f"refined({n}, {guess}, {bound})", newton
 
     def is_zero(self, tag: str) -> str:
         """Condition that a slip counts as zero: below 1e-16 m/s at the contact, 0 at the table."""
@@ -228,31 +227,35 @@ class FixedStepLowering:
         return self._part([*assigns, APPROACH])
 
     def reduced_factored(self, pressed: int) -> Part:
-        """As reduced_update, with 1/|c| as the last factor: n' = n + fixed + i_c * rest."""
+        """As reduced_update, the inverse lengths multiplied in last: the critical chain is short.
+
+        n' = n + fixed + i_c * (contact part) + i_c i_s * (table part), where neither part needs an
+        inverse length.
+        """
         changes = self._pressed_changes(pressed)
-        i_c = sp.Symbol("i_c", real=True)
-        sign = -1 if pressed == 2 else 1
         x, y = SLIP_SYMBOLS[f"s{pressed}"]
-        hat = {s.D_X: sp.Symbol("h_x", real=True), s.D_Z: sp.Symbol("h_z", real=True)}
-        t_x, t_y = (sp.Symbol(f"h_t{a}", real=True) for a in "xy")
-        hat[TABLE[pressed][0]], hat[TABLE[pressed][1]] = t_x, t_y
-        g = sp.Symbol("g_t", real=True)
-        i_s = sp.Symbol(f"i_s{pressed}", real=True)
+        t_x, t_y = TABLE[pressed]
+        h_x, h_z, g_x, g_y, i_c, i_cs = sp.symbols("h_x h_z g_x g_y i_c i_cs", real=True)
+        push = (-1 if pressed == 2 else 1) * U_TABLE[pressed]
+        kind = f"const {REAL}"
         assigns = [
-            Assign("h_x", -K * s.C_X, f"const {REAL}"),
-            Assign("h_z", -K * s.C_Z, f"const {REAL}"),
-            Assign("g_t", sign * U_TABLE[pressed] * hat[s.D_Z] * i_s, f"const {REAL}"),
-            Assign("h_tx", g * x, f"const {REAL}"),
-            Assign("h_ty", g * y, f"const {REAL}"),
+            Assign("h_x", -K * s.C_X, kind),
+            Assign("h_z", -K * s.C_Z, kind),
+            Assign("g", push * h_z, kind),
+            Assign("g_x", sp.Symbol("g", real=True) * x, kind),
+            Assign("g_y", sp.Symbol("g", real=True) * y, kind),
+            Assign("i_cs", i_c * sp.Symbol(f"i_s{pressed}", real=True), kind),
         ]
-        rest_of = {n: sp.expand(c - c.coeff(s.DQ) * s.DQ).subs(hat) for n, c in changes.items()}
-        for name, rest in rest_of.items():
-            if rest != 0:
-                assigns.append(Assign(f"f_{name.name}", rest, f"const {REAL}"))
         for name, change in changes.items():
-            fixed = change.coeff(s.DQ) * s.DQ
-            factor = sp.Symbol(f"f_{name.name}", real=True)
-            assigns.append(Assign(name.name, name + fixed + (i_c * factor if rest_of[name] else 0)))
+            value = name + change.coeff(s.DQ) * s.DQ
+            contact = sp.expand(change.coeff(s.D_X) * h_x + change.coeff(s.D_Z) * h_z)
+            table = sp.expand(change.coeff(t_x) * g_x + change.coeff(t_y) * g_y)
+            for factor, form in ((i_c, contact), (i_cs, table)):
+                if form != 0:
+                    assigns.append(Assign(name.name, value + factor * form))
+                    value = name
+            if value != name:
+                assigns.append(Assign(name.name, value))
         return self._part([*assigns, APPROACH])
 
     def _pressed_changes(self, pressed: int) -> dict[sp.Symbol, sp.Expr]:

@@ -211,8 +211,11 @@ class LoopBuilder:
         if self.variant["rsqrt"] == "prev":
             return root
         lines = [f"const double i_{tag}_before = i_{tag};", *root]
-        lines.append(f"g_{tag} = i_{tag} + (i_{tag} - i_{tag}_before);")
-        return Part(tuple(lines), root.counts + OperationCounts(add=2))
+        if self.variant["fma"] == "fma":
+            lines.append(f"g_{tag} = std::fma(2.0, i_{tag}, -i_{tag}_before);")
+            return Part(tuple(lines), root.counts + OperationCounts(fma=1))
+        lines.append(f"g_{tag} = 2.0 * i_{tag} - i_{tag}_before;")
+        return Part(tuple(lines), root.counts + OperationCounts(mul=1, add=1))
 
     # -- state ---------------------------------------------------------------------------------
 

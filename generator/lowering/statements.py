@@ -45,4 +45,3 @@ def lower(assignments: list[Assign], printer: ExpressionPrinter) -> Block:
         block.lines.append(f"{head}{printer.name_of(assignment.target)} = {text};{note}")
         block.counts = block.counts + counts
     return block
-

@@ -41,9 +41,7 @@ PAPER_PRESETS: tuple[Preset, ...] = (
         46787,
     ),
     Preset("paper-fma", "FMA", {**_PAPER, "reuse": "precompute", "fma": "fma"}, 51066),
-    Preset(
-        "paper-masks", "bitmasks, FMA and rsqrt", {**_PAPER, **_MASKS, "rsqrt": "est1"}, 53472
-    ),
+    Preset("paper-masks", "bitmasks, FMA and rsqrt", {**_PAPER, **_MASKS, "rsqrt": "est1"}, 53472),
     Preset(
         "paper-simd",
         "SIMD inside the collision",

@@ -51,9 +51,7 @@ RULES: tuple[Rule, ...] = (
     Rule(
         "chosen-needs-products",
         "the loop for one pressed ball works in speeds: use reuse=precompute or factored with it",
-        _euler(
-            lambda v: v["branch"] == "chosen" and v["reuse"] not in ("precompute", "factored")
-        ),
+        _euler(lambda v: v["branch"] == "chosen" and v["reuse"] not in ("precompute", "factored")),
     ),
     Rule(
         "chosen-needs-inverse",
@@ -74,8 +72,9 @@ RULES: tuple[Rule, ...] = (
         "factored-needs-reduced",
         "1/|c| can be multiplied in last only where the loop carries the slips and one pressed ball",
         _euler(
-            lambda v: v["reuse"] == "factored"
-            and (v["state"] != "reduced" or v["branch"] != "chosen")
+            lambda v: (
+                v["reuse"] == "factored" and (v["state"] != "reduced" or v["branch"] != "chosen")
+            )
         ),
     ),
     Rule(
@@ -102,8 +101,10 @@ RULES: tuple[Rule, ...] = (
         "balls-need-plain-root",
         "lanes that are balls make their roots afresh each iteration, as the report does",
         _euler(
-            lambda v: v["simd"] == "balls"
-            and (v["rsqrt"] in ("prev", "ahead", "div") or v["roots"] != "early")
+            lambda v: (
+                v["simd"] == "balls"
+                and (v["rsqrt"] in ("prev", "ahead", "div") or v["roots"] != "early")
+            )
         ),
     ),
     Rule(
@@ -115,13 +116,15 @@ RULES: tuple[Rule, ...] = (
         "slips-need-chosen",
         "lanes that are slips need one pressed ball, the reduced state and its products",
         _euler(
-            lambda v: v["simd"] == "slips"
-            and not (
-                v["branch"] == "chosen"
-                and v["state"] == "reduced"
-                and v["reuse"] == "precompute"
-                and v["roots"] == "early"
-                and v["rsqrt"] not in ("div", "prev", "ahead")
+            lambda v: (
+                v["simd"] == "slips"
+                and not (
+                    v["branch"] == "chosen"
+                    and v["state"] == "reduced"
+                    and v["reuse"] == "precompute"
+                    and v["roots"] == "early"
+                    and v["rsqrt"] not in ("div", "prev", "ahead")
+                )
             )
         ),
     ),
