@@ -27,7 +27,7 @@ _SHORT_LIST: tuple[dict[str, str], ...] = (
 
 
 def paper_rows(target: str, scene: str, model: str, stepper: Stepper) -> dict[str, Variant]:
-    """The report's rows as variants, by preset name; a row illegal on a target is left out later."""
+    """The report's rows as variants, by preset name, those illegal on a target included."""
     return {p.name: make_variant(target, scene, model, stepper, **p.options) for p in PAPER_PRESETS}
 
 
@@ -54,7 +54,7 @@ def fixed_step_candidates(
 def baseline(
     target: Target, scene: str, model: str, steps: int, compilers: Iterable[str]
 ) -> Variant:
-    """`paper-initial`: the report's initial C with the report's flags; FMA only where there is any."""
+    """`paper-initial`: the report's initial C with the report's flags; FMA where there is any."""
     codes = tuple(compilers)
     stepper = Stepper("euler", steps=steps)
     first = paper_rows(target.name, scene, model, stepper)["paper-initial"]

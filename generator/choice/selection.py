@@ -1,4 +1,4 @@
-"""selection.json: which kernels stand in a folder of generated/, and why. Small, readable, committed."""
+"""selection.json: which kernels stand in a folder of generated/, and why. Small and readable."""
 
 from __future__ import annotations
 

@@ -19,10 +19,10 @@ from generator.errors import InputError
 @click.option("--seconds", default=20.0, show_default=True, help="time for timing, each model")
 def bench(target: str, scene: str, model: str | None, json_path: Path, seconds: float) -> int:
     """Verify and time the kernels of generated/<target>/<scene>/ and paper-initial."""
+    from generator.choice.lookup import require_runs
     from generator.choice.selection import read_selection
     from generator.cli.bench_rows import bench_rows
     from generator.cli.session import ROOT, resolve_target, workbench
-    from generator.choice.lookup import require_runs
     from generator.emission.files import write_atomically
     from generator.scenes.models import find_model
     from generator.scenes.scene import find_scene

@@ -15,12 +15,11 @@ from generator.emission.banner import banner, source_hash
 from generator.emission.formatting import format_source
 from generator.lowering.counts import OperationCounts
 from generator.lowering.fixed_step_loops import Loop, LoopBuilder
-from generator.lowering.printer import ExpressionPrinter, number
-from generator.mechanics import symbols as s
+from generator.lowering.printer import number
 from generator.scenes.models import find_model
 from generator.scenes.scene import LIMITS, UNITS, Scene, find_scene
 from generator.targets.target import Target, find_target
-from generator.variants.names import name_of, source_name_of
+from generator.variants.names import source_name_of
 from generator.variants.rules import require_legal
 from generator.variants.variant import Variant
 
@@ -185,8 +184,8 @@ def _contract(variant: Variant, scene: Scene, loops: tuple[Loop, ...]) -> tuple[
     )
     return (
         f"Frictional collision of two equal balls, contact model `{model.name}`: {model.text}.",
-        f"Stepper: Euler, N = {variant.stepper.steps} steps; error against the vanishing step about",
-        "1/N of the relative speed, up to 1e-3 of it in hard cases at N = 1000.",
+        f"Stepper: Euler, N = {variant.stepper.steps} steps; error against the vanishing step",
+        "about 1/N of the relative speed, up to 1e-3 of it in hard cases at N = 1000.",
         f"Valid: {parameters or 'every parameter is fixed'}; speeds below 1e100 m/s.",
         "Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.",
         f"Operations an iteration: {loop.counts().describe()} ({loop.counts().flops} flops).",
@@ -307,14 +306,3 @@ def emit_probe(prefix: str, fields: tuple[Field, ...], fixed_step: bool) -> str:
     order = {key: index for index, key in enumerate(UNITS)}
     indexed = [(f.name, order[f.name]) for f in fields]
     return template.render(prefix=prefix, fields=indexed, fixed_step=fixed_step)
-
-
-def counted_name(variant: Variant) -> str:
-    return name_of(variant)
-
-
-def printer_for(place_fma: bool) -> ExpressionPrinter:
-    return ExpressionPrinter(place_fma)
-
-
-__all__ = ["KernelContext", "KernelSource", "emit", "emit_header", "emit_probe", "s"]

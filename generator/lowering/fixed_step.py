@@ -375,7 +375,9 @@ class FixedStepLowering:
         for kind, first, second in (("v", s.V1, s.V2), ("o", s.O1, s.O2)):
             for index, axis in enumerate("xyz" if kind == "o" else "xy"):
                 pair = [
-                    sp.expand(changes[ball[index]]).subs(dict(zip(TABLE[n], (t_x, t_y))))
+                    sp.expand(changes[ball[index]]).subs(
+                        dict(zip(TABLE[n], (t_x, t_y), strict=True))
+                    )
                     for n, ball in ((1, first), (2, second))
                 ]
                 target = sp.Symbol(f"{kind}_{axis}", real=True)

@@ -63,7 +63,7 @@ class ExpressionPrinter:
     def _print(self, e: sp.Expr) -> tuple[str, int, OperationCounts]:
         if e.is_Symbol:
             return self.name_of(e.name), 3, OperationCounts()
-        if e.is_number and e.is_Rational or e.is_Float:
+        if e.is_Rational or e.is_Float:
             return self._number(e)
         if e.is_Add:
             return self._sum(e)

@@ -60,7 +60,7 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "chosen-has-one-table-root",
-        "with the pressed ball known there is no branch to make a root in: use roots=early or three",
+        "the pressed ball is known: no branch is left to make a root in; use roots=early or three",
         _euler(lambda v: v["branch"] == "chosen" and v["roots"] == "two"),
     ),
     Rule(
@@ -70,7 +70,7 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "factored-needs-reduced",
-        "1/|c| can be multiplied in last only where the loop carries the slips and one pressed ball",
+        "1/|c| can be multiplied in last only with state=reduced and branch=chosen",
         _euler(
             lambda v: (
                 v["reuse"] == "factored" and (v["state"] != "reduced" or v["branch"] != "chosen")
