@@ -30,6 +30,10 @@ REAL = "double"
 SLIP_SYMBOLS = {"c": (s.C_X, s.C_Z), "s1": (s.S1X, s.S1Y), "s2": (s.S2X, s.S2Y)}
 TABLE = {1: (s.T1X, s.T1Y), 2: (s.T2X, s.T2Y)}
 SPIN_SYMBOLS = (*s.O1, *s.O2)
+# What the contact slip is made of, in lanes of balls too.
+CONTACT_VELOCITIES = {
+    name.format(ball) for name in ("v{}x", "o{}x", "o{}z") for ball in ("1", "2", "_")
+}
 HALF_C = sp.Rational(5, 2)  # R^2 m / I: what an impulse at the surface does to the spin speed
 
 K = sp.Symbol("k_b", real=True)  # u_b dq, the friction speed of one step
@@ -197,14 +201,22 @@ class FixedStepLowering:
             if change == 0:
                 continue
             assigns.append(Assign(symbol.name, symbol + self._scaled(symbol, change)))
-        return self._part(assigns)
+        return self._part(self._in_order(assigns))
+
+    @property
+    def _chain_first(self) -> bool:
+        return self.variant["order"] == "chain"
+
+    def _in_order(self, assigns: list[Assign]) -> list[Assign]:
+        """With order=chain the velocities that make the contact slip come first (stable)."""
+        if not self._chain_first:
+            return assigns
+        return sorted(assigns, key=lambda a: a.target not in CONTACT_VELOCITIES)
 
     def _scaled(self, symbol: sp.Symbol, change: sp.Expr) -> sp.Expr:
         if not self.physical:
             return change
         change = change.subs(s.DQ, DP)
-        if self.variant["reuse"] == "recompute":
-            change = change.subs({s.D_X: self.friction("d_x")}) if change.has(s.D_X) else change
         if symbol in SPIN_SYMBOLS:
             return C_INERTIA * sp.expand(change / HALF_C)
         return Divide(change, s.M)
@@ -264,7 +276,7 @@ class FixedStepLowering:
         approach = _approach_changes((pressed,))
         contact = {n: changes[n] for n in (s.C_X, s.C_Z)}
         table = {n: changes[n] for n in slip}
-        if self.variant["order"] == "chain":
+        if self._chain_first:
             return {**contact, **table, **approach}
         return {**approach, **table, **contact}
 
@@ -272,7 +284,8 @@ class FixedStepLowering:
         """Slips after one step, table friction of both balls given (one of them zero)."""
         one, two = (reduced_system(self.terms, p).changes for p in (1, 2))
         merged = {n: merge_pressed(one[n], two[n]) for n in one if n != s.V_N}
-        merged.update(_approach_changes((1, 2)))
+        approach = _approach_changes((1, 2))
+        merged = {**merged, **approach} if self._chain_first else {**approach, **merged}
         assigns = [Assign(n.name, n + change) for n, change in merged.items()]
         return self._part([*assigns, APPROACH])
 
@@ -294,7 +307,7 @@ class FixedStepLowering:
         }
         for unknown, name in sums.items():
             assigns.append(Assign(name, forms[unknown], f"const {REAL}"))
-        return self._part(assigns, self.plain)
+        return self._part(assigns)
 
     def recover_both(self) -> Part:
         """As recover_pressed, where either ball may have been pressed in turn."""
@@ -382,7 +395,7 @@ class FixedStepLowering:
                 ]
                 target = sp.Symbol(f"{kind}_{axis}", real=True)
                 assigns.append(Assign(target.name, target + _lane_form(*pair, (t_x, t_y))))
-        return self._part(assigns, self.lanes)
+        return self._part(self._in_order(assigns), self.lanes)
 
     def slip_lanes(self, pressed: int) -> Part:
         """The reduced update with lane 0 = contact slip, lane 1 = the pressed ball's slip."""
@@ -395,9 +408,10 @@ class FixedStepLowering:
             pair = [changes[lane] for lane in lanes]
             assigns.append(Assign(name, target + _lane_form(*pair, (t_x, t_y))))
         block = lower(assigns, self.lanes)
-        approach = [Assign(n.name, n + c) for n, c in _approach_changes((pressed,)).items()]
-        block.extend(lower([*approach, APPROACH], self.plain))
-        return Part(tuple(block.lines), block.counts)
+        changes = _approach_changes((pressed,)).items()
+        approach = lower([*(Assign(n.name, n + c) for n, c in changes), APPROACH], self.plain)
+        first, last = (block, approach) if self._chain_first else (approach, block)
+        return Part((*first.lines, *last.lines), first.counts + last.counts)
 
     # ------------------------------------------------------------------------------------------
 

@@ -162,13 +162,21 @@ class LoopBuilder:
         loop.bottom = _join(slips, loop.bottom)
         if self._recomputes:
             others = tuple(name for name in ALL_SLIPS if name != "v_n")
-            loop.top = _join(low.slips_of_state("const double", others), loop.top)
+            loop.top = _join(self._slips_anew(others), loop.top)
         loop.after_loop = self._full_back()
         return loop
 
     @property
     def _recomputes(self) -> bool:
         return self.variant["reuse"] == "recompute"
+
+    def _slips_anew(self, names: tuple[str, ...]) -> Part:
+        """Slips that live for one iteration only."""
+        if self.variant["store"] != "arrays":
+            return self.low.slips_of_state("const double", names)
+        tags = sorted({self.low.printer.name_of(n)[:-3] for n in names})
+        declared = _text(*(f"double {tag}[2];" for tag in tags))
+        return _join(declared, self.low.slips_of_state(only=names))
 
     def _masked_lift(self) -> tuple[str, ...]:
         if not self.terms.lift:
@@ -201,7 +209,9 @@ class LoopBuilder:
         lines = []
         for tag in tags:
             x, y = (self.low.printer.name_of(n) for n in _components(tag))
-            lines.append(f"double i_{tag} = exact_rsqrt({x} * {x} + {y} * {y});")
+            # Slips that are made anew do not exist before the loop: 0 is a guess that is refused.
+            first = "0.0" if self._recomputes else f"exact_rsqrt({x} * {x} + {y} * {y})"
+            lines.append(f"double i_{tag} = {first};")
             if self.variant["rsqrt"] == "ahead":
                 lines.append(f"double g_{tag} = i_{tag};")
         return _text(*lines)
