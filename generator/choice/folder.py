@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,19 @@ class Difference:
     diff: tuple[str, ...] = ()
 
 
+def require_writable(folder: Path) -> None:
+    """Make a folder and write to it, before hours are spent. Raises InputError where it cannot."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"{folder}: cannot be written: {reason}; name a folder that can with --out"
+        ) from None
+
+
 def file_of(kernel: str) -> str:
     """The file of a kernel: its name without what only the compiler sees."""
     return f"{source_name_of(variant_of(kernel))}.cpp"
@@ -32,10 +46,15 @@ def files_of(selection: Selection) -> dict[str, str]:
     files = {FILE: selection.text()}
     for entry in selection.kernels:
         variant = variant_of(entry.kernel)
-        source = emit(variant)
+        source = emit(variant, command=_command(selection, entry.model))
         files[entry.file] = source.source
         files["carom.h"] = source.header
     return dict(sorted(files.items()))
+
+
+def _command(selection: Selection, model: str) -> str:
+    """What the banners name: the command that wrote the folder."""
+    return f"./gen --target {selection.target} --scene {selection.scene} --model {model}"
 
 
 def write_folder(folder: Path, selection: Selection) -> list[Path]:

@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from generator.choice.store import Store, key_of
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import KernelError
 from generator.scenes.scene import find_scene
+from generator.targets.host import read_host
 from generator.targets.target import Target
-from generator.timing.bench_tool import BenchTool
+from generator.timing.bench_tool import BenchTool, Method
 from generator.timing.plan import PlannedKernel, TimingPlan
-from generator.timing.ratios import TimingResult, TimingRun, timing_results
+from generator.timing.ratios import TimingResult, TimingRun, timing_results, timing_run
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.compilers import Compiler, march_flags
 from generator.toolchain.flags import compile_flags
-from generator.toolchain.mca import McaReport, analyse, assembly_of
+from generator.toolchain.mca import McaReport, analyse, assembly_of, require_mca
 from generator.variants.names import name_of, source_name_of
 from generator.variants.variant import Variant
-from generator.verification.errors import Array
-from generator.verification.euler import euler_verdict
-from generator.verification.reference import load_reference
+from generator.verification.errors import EXPECTED_COLUMNS, OUTCOME_COLUMNS, STICKS, Array
+from generator.verification.euler import FLIP_SHARE, euler_verdict
+from generator.verification.reference import EULER_STEPS, load_reference
 from generator.verification.verdict import Verdict
 
 Progress = Callable[[str, int, int], None]  # what, done, of
@@ -45,6 +49,7 @@ class Candidate:
     march_note: str = ""
     library: BuiltLibrary | None = None
     verdict: Verdict | None = None
+    pooltool: Verdict | None = None  # against pooltool's own doubles, where they exist
     timing: TimingResult | None = None
     mca: McaReport | None = None
     rejected: str = ""
@@ -71,6 +76,9 @@ class Expected:
     euler: Array | None
     reference_rows: int  # how many of them are the committed reference
     seed: int
+    labels: tuple[str, ...]  # what a reader calls each case: where it is from, id and kind
+    pooltool: Array | None  # what pooltool itself gives for the reference, where it can
+    key: str  # hash of all of this
 
 
 @dataclass
@@ -81,6 +89,15 @@ class Workbench:
     cache: Path
     compilers: dict[str, Compiler]
     progress: Progress = field(default=lambda what, done, of: None)
+    fresh: bool = False  # verify and time anew instead of reusing what is still valid
+
+    def __post_init__(self) -> None:
+        self.store = Store(self.cache / "figures", self.fresh)
+        self.labels: tuple[str, ...] = ()  # of the cases that are verified on
+
+    def reused(self) -> str:
+        """What was taken from earlier runs; empty where nothing was."""
+        return self.store.counts()
 
     # -- emit and compile --
 
@@ -116,6 +133,7 @@ class Workbench:
                 candidate.rejected = f"compile: {result}"
             else:
                 candidate.library = result
+                self.store.count("builds", result.hit)
 
     # -- verify --
 
@@ -125,36 +143,80 @@ class Workbench:
         """The reference (where the scene fixes nothing) and random cases with their answers."""
         fixed = {str(k): v for k, v in find_scene(scene).fixed.items()}
         self.progress("computing expected results", 0, 1)
-        cases = self.tool.make_cases(seed, random, mixed=False, fixed=fixed).rows
-        reference_rows = 0
+        made = self.tool.make_cases(seed, random, mixed=False, fixed=fixed)
+        cases, pooltool, reference_rows = made.rows, None, 0
+        labels = tuple(f"random {i} ({kind})" for i, kind in enumerate(made.kinds))
         if not fixed:
-            reference = load_reference().cases
-            reference_rows = len(reference)
-            cases = np.vstack([reference, cases])
-        exact = self.tool.expect(cases, "exact", model)
-        euler = None if steps is None else self.tool.expect(cases, "euler", model, steps)
+            reference = load_reference()
+            reference_rows = len(reference.cases)
+            cases = np.vstack([reference.cases, cases])
+            named = zip(reference.ids, reference.kinds, strict=True)
+            labels = (*(f"reference {i} ({kind})" for i, kind in named), *labels)
+            if model == "pooltool" and steps == EULER_STEPS:
+                pooltool = reference.euler_pooltool
+        exact = self._oracle(cases, "exact", model, 0)
+        euler = None if steps is None else self._oracle(cases, "euler", model, steps)
         self.progress("computing expected results", 1, 1)
-        return Expected(cases, exact, euler, reference_rows, seed)
+        self.labels = labels
+        tables = (t if t is not None else "none" for t in (cases, exact, euler, pooltool))
+        return Expected(
+            cases, exact, euler, reference_rows, seed, labels, pooltool, key_of(*tables)
+        )
+
+    def _oracle(self, cases: Array, method: Method, model: str, steps: int) -> Array:
+        key = key_of(self.tool.executable.name, cases, method, model, steps)
+        return self.store.kept_array(
+            "expected results",
+            key,
+            EXPECTED_COLUMNS,
+            lambda: self.tool.expect(cases, method, model, steps or EULER_STEPS),
+        )
 
     def verify(self, candidates: Sequence[Candidate], expected: Expected) -> None:
         """Verdict for each built candidate; what fails is rejected with the reason."""
         alive = [c for c in candidates if c.library is not None and not c.rejected]
         for index, candidate in enumerate(alive):
             self.progress("verifying", index, len(alive))
-            candidate.verdict = self._verdict(candidate, expected)
-            if not candidate.verdict.passed:
-                candidate.rejected = f"verification: {candidate.verdict.reason}"
+            self._verify_one(candidate, expected)
         self.progress("verifying", len(alive), len(alive))
 
-    def _verdict(self, candidate: Candidate, expected: Expected) -> Verdict:
+    def _verify_one(self, candidate: Candidate, expected: Expected) -> None:
         assert candidate.library is not None
+        key = key_of(
+            candidate.library.key, expected.key, verification_hash(), candidate.variant.stepper.goal
+        )
+        kept = self.store.kept("verdicts", key, lambda: self._verdicts(candidate, expected))
+        candidate.verdict = _verdict_of(kept["oracle"])
+        against = "verification"
+        if kept["pooltool"] is not None:
+            candidate.pooltool = _verdict_of(kept["pooltool"])
+        verdict = candidate.verdict
+        if verdict.passed and candidate.pooltool is not None and not candidate.pooltool.passed:
+            verdict, against = candidate.pooltool, "verification against euler_n1000.csv"
+        if not verdict.passed:
+            candidate.rejected = f"{against}: {verdict.reason}"
+
+    def _verdicts(self, candidate: Candidate, expected: Expected) -> dict[str, Any]:
+        """A verdict against the oracles, and one against pooltool's own figures."""
+        assert candidate.library is not None
+        cases, steps = expected.cases, candidate.variant.stepper.steps
         try:
-            got = self.tool.run_kernel(candidate.library.path, expected.cases, timeout=300.0)
+            got = self.tool.run_kernel(candidate.library.path, cases, timeout=300.0)
         except KernelError as error:
-            return Verdict(False, str(error), float("nan"), float("nan"), len(expected.cases))
-        steps = candidate.variant.stepper.steps
+            broken = Verdict(False, str(error), float("nan"), float("nan"), len(cases))
+            return {"oracle": asdict(broken), "pooltool": None}
         assert steps is not None and expected.euler is not None
-        return euler_verdict(expected.cases, got, expected.euler, expected.exact, steps)
+        verdict = euler_verdict(cases, got, expected.euler, expected.exact, steps)
+        theirs = None
+        if expected.pooltool is not None:
+            n = expected.reference_rows
+            marks = expected.euler[:n, STICKS:]
+            own = np.hstack([expected.pooltool[:, :OUTCOME_COLUMNS], marks])
+            share = FLIP_SHARE * len(cases) / n  # flips count over all cases, and all are counted
+            theirs = asdict(
+                euler_verdict(cases[:n], got[:n], own, expected.exact[:n], steps, share)
+            )
+        return {"oracle": asdict(verdict), "pooltool": theirs}
 
     # -- time, or model --
 
@@ -162,7 +224,7 @@ class Workbench:
         self, candidates: Sequence[Candidate], baseline: Candidate, scene: str, seconds: float
     ) -> TimingRun:
         """Time what passed, interleaved with the baseline, in one process."""
-        alive = [c for c in candidates if c.verdict is not None and c.verdict.passed]
+        alive = [c for c in candidates if c.verdict is not None and not c.rejected]
         fixed = {str(k): v for k, v in find_scene(scene).fixed.items()}
         cases = self.tool.make_cases(TIMING_SEED, TIMING_CASES, fixed=fixed).rows
         reference = load_reference()
@@ -173,9 +235,11 @@ class Workbench:
             if c.library is not None
         )
         self.progress(f"timing {len(kernels)} kernels for {seconds:.0f} s", 0, 1)
-        run = self.tool.time(
-            TimingPlan(cases, kernels, baseline.name, seeds, rounds=1000, seconds=seconds)
-        )
+        plan = TimingPlan(cases, kernels, baseline.name, seeds, rounds=1000, seconds=seconds)
+        libraries = {c.name: c.library.key for c in [baseline, *alive] if c.library is not None}
+        host = read_host()
+        key = key_of(libraries, baseline.name, cases, self.tool.executable.name, host.cpu, seconds)
+        run = timing_run(self.store.kept("timings", key, lambda: self.tool.timing_document(plan)))
         results = {result.name: result for result in timing_results(run)}
         for candidate in candidates:
             candidate.timing = results.get(candidate.name)
@@ -189,17 +253,34 @@ class Workbench:
         for index, candidate in enumerate(alive):
             self.progress(f"modelling on {target.row.mca_cpu} (llvm-mca)", index, len(alive))
             try:
-                text = assembly_of(
-                    {k: v for k, v in candidate.sources.items() if k != "probe.cpp"},
-                    (),
-                    candidate.compiler,
-                    candidate.flags,
-                    candidate.name,
-                )
-                candidate.mca = analyse(text, target)
+                candidate.mca = self._model_one(candidate, target)
             except KernelError as error:
                 candidate.rejected = f"llvm-mca: {error}"
         self.progress("modelling", len(alive), len(alive))
+
+    def _model_one(self, candidate: Candidate, target: Target) -> McaReport:
+        sources = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
+        compiler, flags = candidate.compiler, candidate.flags
+
+        def make() -> dict[str, Any]:
+            text = assembly_of(sources, (), compiler, flags, candidate.name)
+            return asdict(analyse(text, target))
+
+        texts = sorted(sources.items())
+        key = key_of(texts, compiler.version, flags, require_mca().version, target.row.mca_cpu)
+        kept = self.store.kept("llvm-mca figures", key, make)
+        return McaReport(**{**kept, "path_cycles": tuple(kept["path_cycles"])})
+
+
+@cache
+def verification_hash() -> str:
+    """Hash of the rules of verification: a verdict holds only under the rules it was given by."""
+    folder = Path(__file__).parents[1] / "verification"
+    return key_of(*(path.read_text("utf-8") for path in sorted(folder.glob("*.py"))))
+
+
+def _verdict_of(document: dict[str, Any]) -> Verdict:
+    return Verdict(**{**document, "flips": tuple(document["flips"])})
 
 
 def _unique(candidates: Sequence[Candidate]) -> list[Candidate]:

@@ -15,8 +15,6 @@ from generator.scenes.scene import LIMITS
 from generator.verification.errors import Array
 from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
 
-_EXCLUSIVE = ("R", "M")  # must be above their lower limit
-
 
 @dataclass(frozen=True)
 class CaseTable:
@@ -36,11 +34,10 @@ def _number(text: str | None, path: Path, line: int, name: str) -> float:
         ) from None
     if name in LIMITS and not math.isnan(value):
         low, high = LIMITS[name]
-        if not low <= value <= high or (name in _EXCLUSIVE and value <= low):
-            least = f"above {low:g}" if name in _EXCLUSIVE else f"at least {low:g}"
+        if not low <= value <= high:
             raise InputError(
                 f"{path}: row {line}, column {name}: {value:g} is out of range; "
-                f"expected {least} and at most {high:g}"
+                f"expected {low:g} to {high:g}"
             )
     return value
 

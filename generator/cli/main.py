@@ -41,10 +41,17 @@ def _end(message: str, status: int) -> None:
 @click.group(cls=OneLineGroup, invoke_without_command=True)
 @click.option("--target", help="CPU to generate for: native, zen3, ... (see list targets)")
 @click.option("--scene", default="any", show_default=True, help="what is known of a shot")
-@click.option("--model", help="contact model; default: the scene's")
+@click.option("--model", help="contact model, or all; default: the scene's")
 @click.option("--max-error", type=float, help="error budget, relative to the relative speed")
 @click.option("--out", type=click.Path(path_type=Path), help="folder instead of generated/")
-@click.option("--seconds", default=30.0, show_default=True, help="time for timing")
+@click.option(
+    "--seconds",
+    default=30.0,
+    show_default=True,
+    type=click.FloatRange(0.1, 3600),
+    help="time for timing",
+)
+@click.option("--fresh", is_flag=True, help="verify and time anew what an earlier run did")
 @click.option("--check", is_flag=True, help="is generated/ what the sources give?")
 @click.option("--update", is_flag=True, help="make generated/ what the sources give")
 @click.version_option(__version__)
@@ -57,6 +64,7 @@ def gen(
     max_error: float | None,
     out: Path | None,
     seconds: float,
+    fresh: bool,
     check: bool,
     update: bool,
 ) -> int | None:
@@ -73,7 +81,7 @@ def gen(
         raise click.UsageError("--max-error: no exact steppers yet")
     from generator.cli.main_job import run_main_job
 
-    run_main_job(target, scene, model, out, seconds)
+    run_main_job(target, scene, model, out, seconds, fresh)
     return None
 
 

@@ -32,7 +32,7 @@ def resolve_target(name: str) -> tuple[Target, Host]:
 
 
 @contextmanager
-def workbench(quiet: bool = False) -> Iterator[Workbench]:
+def workbench(quiet: bool = False, fresh: bool = False) -> Iterator[Workbench]:
     """A workbench whose progress shows on standard error what it is doing."""
     console = Console(stderr=True)
     columns = (
@@ -59,4 +59,4 @@ def workbench(quiet: bool = False) -> Iterator[Workbench]:
             console.print(f"carom: going on without: {lacking}", highlight=False)
         show("building the bench", 0, 1)
         tool = build_bench_tool(cache_folder())
-        yield Workbench(tool, cache_folder(), compilers, show)
+        yield Workbench(tool, cache_folder(), compilers, show, fresh)

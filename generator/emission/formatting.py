@@ -8,7 +8,7 @@ from pathlib import Path
 
 from generator.errors import KernelError
 
-STYLE = "{BasedOnStyle: Google, ColumnLimit: 100, SortIncludes: Never}"
+STYLE = "{BasedOnStyle: Google, ColumnLimit: 100, SortIncludes: Never, ReflowComments: false}"
 
 
 def format_source(text: str, filename: str) -> str:

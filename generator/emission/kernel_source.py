@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
@@ -106,6 +107,11 @@ class KernelContext:
     def places_fma(self) -> bool:
         return self.variant["fma"] == "fma"
 
+    @property
+    def scalar_estimate(self) -> bool:
+        """Is a scalar root estimated? Lanes that are slips make all of theirs in pairs."""
+        return self.variant["simd"] != "slips"
+
     def fma(self, a: str, b: str, c: str) -> str:
         """a * b + c as this kernel rounds it."""
         return f"std::fma({a}, {b}, {c})" if self.places_fma else f"{a} * {b} + {c}"
@@ -162,8 +168,6 @@ def _fields(scene: Scene) -> tuple[tuple[Field, ...], tuple[Field, ...], tuple[F
             continue
         low, high = scene.range_of(key)
         check = f"in_range(p.{key}, {low!r}, {high!r})"
-        if key in ("R", "M") and low == 0.0:
-            check = f"p.{key} > 0.0 && p.{key} <= {high!r}"
         free.append(Field(key, MEANINGS[key], check=check))
     fields = tuple(f for f in free if f.name in scene.free)
     return fixed, tuple(free), fields
@@ -182,15 +186,16 @@ def _contract(variant: Variant, scene: Scene, loops: tuple[Loop, ...]) -> tuple[
         for key in UNITS
         if key not in scene.fixed
     )
-    return (
+    lines = (
         f"Frictional collision of two equal balls, contact model `{model.name}`: {model.text}.",
-        f"Stepper: Euler, N = {variant.stepper.steps} steps; error against the vanishing step",
+        f"Stepper: Euler, N = {variant.stepper.steps} steps; error against the vanishing step "
         "about 1/N of the relative speed, up to 1e-3 of it in hard cases at N = 1000.",
         f"Valid: {parameters or 'every parameter is fixed'}; speeds below 1e100 m/s.",
         "Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.",
         f"Operations an iteration: {loop.counts().describe()} ({loop.counts().flops} flops).",
         "Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.",
     )
+    return tuple(part for line in lines for part in textwrap.wrap(line, 96))
 
 
 def _helpers(variant: Variant) -> tuple[str, ...]:

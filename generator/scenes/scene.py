@@ -13,10 +13,10 @@ from generator.errors import InputError
 
 PARAMETERS = ("R", "M", "u_s1", "u_s2", "u_b", "e_b")
 UNITS = {"R": "m", "M": "kg", "u_s1": "1", "u_s2": "1", "u_b": "1", "e_b": "1"}
-# What the mechanics admits whatever the scene; R and M exclude 0.
+# What the mechanics admits whatever the scene; R and M are divided by.
 LIMITS = {
-    "R": (0.0, 1e3),
-    "M": (0.0, 1e6),
+    "R": (1e-9, 1e3),
+    "M": (1e-9, 1e6),
     "u_s1": (0.0, 1.0),
     "u_s2": (0.0, 1.0),
     "u_b": (0.0, 1.0),
@@ -55,7 +55,7 @@ class Scene(BaseModel):
                 raise ValueError(f"ranges.{key}: {key} is fixed, so it has no range")
         for key, value in self.fixed.items():
             low, high = LIMITS[key]
-            if not low <= value <= high or (key in ("R", "M") and value == 0):
+            if not low <= value <= high:
                 raise ValueError(f"fixed.{key}: {value} is outside {low} to {high}")
         return self
 

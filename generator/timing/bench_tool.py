@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -127,6 +127,10 @@ class BenchTool:
 
     def time(self, plan: TimingPlan) -> TimingRun:
         """Times the kernels of a plan, which must have passed verification."""
+        return timing_run(self.timing_document(plan))
+
+    def timing_document(self, plan: TimingPlan) -> dict[str, Any]:
+        """What carom_bench writes when it times a plan."""
         with tempfile.TemporaryDirectory() as name:
             cases = _write(Path(name, "cases"), plan.cases)
             seeds = plan.seed_cases
@@ -135,7 +139,7 @@ class BenchTool:
             file.write_text(json.dumps(plan.document(cases, seed_path)), encoding="utf-8")
             limit = plan.seconds + RUN_TIMEOUT
             self._run("time", "--plan", file, "--out", out, timeout=limit)
-            return timing_run(json.loads(out.read_text("utf-8")))
+            return json.loads(out.read_text("utf-8"))
 
 
 def _sources(root: Path) -> list[Path]:

@@ -1,0 +1,134 @@
+"""The table of the main job: speed against error of every candidate, readable at 80 columns."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.table import Table
+
+from generator.choice.choose import Choice
+from generator.choice.workbench import Candidate
+from generator.targets.host import Host
+from generator.targets.target import Target
+from generator.variants.axes import axis
+from generator.variants.names import source_name_of
+from generator.variants.presets import PAPER_PRESETS
+from generator.variants.variant import Variant, make_variant
+
+LEAST_WIDTH = 80
+ROOMY = 108  # columns from which on the clock's cycles have room too
+
+
+def show_table(
+    console: Console, candidates: Sequence[Candidate], choice: Choice, target: Target, host: Host
+) -> None:
+    """The table, then a line for each candidate that was rejected."""
+    modelled = choice.by == "llvm-mca"
+    roomy = console.width >= ROOMY
+    ordered = sorted(candidates, key=lambda c: _rank(c, modelled))
+    base = _base([c.variant for c in ordered if not preset_of(c.variant)])
+    where = f"timed on {host.target.name} ({host.cpu})" if _timed(ordered) else "not run here"
+    console.print(f"{target.name}: speed against error, {where}", highlight=False, soft_wrap=True)
+    table = Table(show_edge=False, pad_edge=False, collapse_padding=True)
+    table.add_column("kernel: options", ratio=1, overflow="fold")
+    for title in _titles(modelled, target, roomy):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("", no_wrap=True)
+    for c in ordered:
+        figures = _figures(c, modelled, roomy)
+        table.add_row(_label(c.variant, base), *figures, _mark(c, choice))
+    console.print(table)
+    console.print(
+        "options: of the report's rows (paper-...) those that differ from paper-initial, of ours "
+        f"those that differ from {' '.join(base.values())}",
+        highlight=False,
+    )
+    for c in ordered:
+        if c.rejected:
+            console.print(
+                f"rejected {_label(c.variant, base)}: {c.rejected}", highlight=False, markup=False
+            )
+
+
+def preset_of(variant: Variant) -> str:
+    """The report's name for a variant, whichever compiler makes it, or empty."""
+    for preset in PAPER_PRESETS:
+        options = {**preset.options, "compiler": variant["compiler"]}
+        if preset.name == "paper-initial" and variant.get("fma") == "nofma":
+            options["fma"] = "nofma"  # where the target has none
+        same = make_variant(
+            variant.target, variant.scene, variant.model, variant.stepper, **options
+        )
+        if same.options == variant.options:
+            return preset.name
+    return ""
+
+
+def _timed(candidates: Sequence[Candidate]) -> bool:
+    return any(c.timing is not None for c in candidates)
+
+
+def _base(variants: Sequence[Variant]) -> dict[str, str]:
+    """For each option the code that most of our candidates have."""
+    keys = [key for key, _ in variants[0].options] if variants else []
+    base = {}
+    for key in keys:
+        counts = Counter(v[key] for v in variants)
+        codes = axis(key).codes()
+        base[key] = max(codes, key=lambda code: (counts[code], -codes.index(code)))
+    return base
+
+
+def _label(variant: Variant, base: dict[str, str]) -> str:
+    preset = preset_of(variant)
+    if not preset:
+        differing = [code for key, code in variant.options if base.get(key) != code]
+        return f"ours: {' '.join(differing) or '(as below)'}"
+    initial = {"compiler": "gcc", **PAPER_PRESETS[0].options}
+    differing = [c for k, c in variant.options if c != initial.get(k, axis(k).default)]
+    return f"{preset}: {' '.join(differing)}" if differing else preset
+
+
+def _titles(modelled: bool, target: Target, roomy: bool) -> list[str]:
+    first = [f"cycles/step\n{target.row.mca_cpu}\n(llvm-mca)"] if modelled else []
+    clock = ["TSC\ncycles"] if roomy else []
+    ratio = "ratio to\npaper-initial\n(95 %)"
+    return [*first, "ns", "ns\nlatency", "ns\nseed\ncases", *clock, ratio, "largest\nerror\nm/s"]
+
+
+def _figures(candidate: Candidate, modelled: bool, roomy: bool) -> list[str]:
+    timing, verdict, mca = candidate.timing, candidate.verdict, candidate.mca
+    row = []
+    if modelled:
+        row.append(f"{mca.cycles_per_iteration:.1f}" if mca else "-")
+    times = (timing.ns, timing.latency_ns, timing.seed_ns) if timing else (None, None, None)
+    row += ["-" if ns is None else f"{ns:.0f}" for ns in times]
+    if roomy:
+        row.append(f"{timing.cycles:.0f}" if timing else "-")
+    if timing is None:
+        row.append("-")
+    else:
+        low, high = timing.ratio_ci
+        row.append(f"{timing.ratio:.3f}\n{low:.3f}-{high:.3f}")
+    row.append(f"{verdict.max_abs_error:.1e}" if verdict else "-")
+    return row
+
+
+def _mark(candidate: Candidate, choice: Choice) -> str:
+    if candidate.rejected:
+        return "rejected"
+    if candidate is choice.chosen:
+        return "chosen"
+    return "tie" if candidate.name in choice.ties else ""
+
+
+def _rank(candidate: Candidate, modelled: bool) -> tuple[int, float, str]:
+    if candidate.rejected:
+        return 2, 0.0, candidate.name
+    if modelled and candidate.mca is not None:
+        return 0, candidate.mca.cycles_per_iteration, candidate.name
+    if candidate.timing is not None:
+        return 0, candidate.timing.ratio, candidate.name
+    return 1, 0.0, source_name_of(candidate.variant)
