@@ -78,11 +78,6 @@ RULES: tuple[Rule, ...] = (
         ),
     ),
     Rule(
-        "factored-needs-inverse",
-        "factored needs 1/|c| itself, not a division for each component",
-        _euler(lambda v: v["reuse"] == "factored" and v["rsqrt"] == "div"),
-    ),
-    Rule(
         "refine-needs-early-roots",
         "refining the last iteration's value needs the root to be made in every iteration",
         _euler(lambda v: v["rsqrt"] in ("prev", "ahead") and v["roots"] != "early"),

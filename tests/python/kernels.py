@@ -1,0 +1,134 @@
+"""What several tests need: legal variants, built and verified."""
+
+from __future__ import annotations
+
+import random
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from generator.emission.kernel_source import KernelSource, emit
+from generator.errors import KernelError
+from generator.targets.target import find_target
+from generator.timing.bench_tool import ROOT, BenchTool, build_bench_tool
+from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
+from generator.toolchain.compilers import Compiler, find_compilers
+from generator.toolchain.flags import compile_flags
+from generator.variants.axes import axes_of
+from generator.variants.names import name_of
+from generator.variants.rules import broken_rule
+from generator.variants.variant import Stepper, Variant, make_variant
+from generator.verification.errors import Array
+from generator.verification.euler import euler_verdict
+from generator.verification.reference import MODELS, load_reference
+
+EULER = Stepper("euler", steps=1000)
+WARNINGS = ("-Wall", "-Wextra", "-Werror")
+CACHE = ROOT / "build" / "test-kernels"
+
+
+def bench_tool() -> BenchTool:
+    return build_bench_tool(ROOT / "build" / "bench-tool")
+
+
+def variant(target: str = "x86-64-v3", model: str = "pooltool", **options: str) -> Variant:
+    return make_variant(target, "any", model, EULER, **options)
+
+
+def is_legal(candidate: Variant) -> bool:
+    return broken_rule(candidate, find_target(candidate.target)) is None
+
+
+def random_variants(seed: int, count: int, targets: tuple[str, ...]) -> list[Variant]:
+    """Different legal variants, options, target and model drawn with a seed."""
+    rng, found = random.Random(seed), {}
+    axes = [a for a in axes_of("euler") if a.key not in ("compiler", "flags")]
+    compilers = [c.code for c in find_compilers()]
+    while len(found) < count:
+        options = {a.key: rng.choice(a.codes()) for a in axes}
+        options["compiler"] = rng.choice(compilers)
+        if len(found) % 8 < 2:  # rare among what is legal
+            options["simd"] = ("balls", "slips")[len(found) % 8]
+        drawn = variant(rng.choice(targets), rng.choice(MODELS), **options)
+        if is_legal(drawn):
+            found[name_of(drawn)] = drawn
+    return list(found.values())
+
+
+def neighbours(base: Variant) -> list[Variant]:
+    """All variants that differ from `base` in one option, legal or not."""
+    return [
+        base.with_options(**{key: code})
+        for key, chosen in base.options
+        for code in next(a for a in axes_of("euler") if a.key == key).codes()
+        if code != chosen
+    ]
+
+
+def compiler_of(candidate: Variant) -> Compiler:
+    found = {c.code: c for c in find_compilers()}
+    return found.get(candidate["compiler"], next(iter(found.values())))
+
+
+def build_all(variants: list[Variant]) -> list[BuiltLibrary | KernelError]:
+    """Built with warnings as errors, besides their own flags."""
+    jobs = []
+    for each in variants:
+        source, compiler = emit(each), compiler_of(each)
+        flags = (*compile_flags(each, compiler, find_target(each.target)), *WARNINGS)
+        texts = {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
+        jobs.append(BuildJob(name_of(each), texts, compiler, flags))
+    return build_many(jobs, CACHE)
+
+
+@dataclass(frozen=True)
+class Cases:
+    """Cases and what must come out of them, by model."""
+
+    rows: Array
+    euler: dict[str, Array]
+    exact: dict[str, Array]
+
+
+def expected_cases(tool: BenchTool, seed: int, count: int) -> Cases:
+    """The reference and as many random cases."""
+    made = tool.make_cases(seed, count, mixed=False).rows
+    rows = np.vstack([load_reference().cases, made])
+    euler = {m: tool.expect(rows, "euler", m) for m in MODELS}
+    exact = {m: tool.expect(rows, "exact", m) for m in MODELS}
+    return Cases(rows, euler, exact)
+
+
+def failures(tool: BenchTool, variants: list[Variant], cases: Cases) -> list[str]:
+    """A line for each variant that does not compile or does not verify."""
+    lines, worst, flips = [], 0.0, 0
+    for each, built in zip(variants, build_all(variants), strict=True):
+        if isinstance(built, KernelError):
+            lines.append(str(built))
+            continue
+        got = tool.run_kernel(built.path, cases.rows)
+        euler, exact = cases.euler[each.model], cases.exact[each.model]
+        verdict = euler_verdict(cases.rows, got, euler, exact, 1000)
+        worst, flips = max(worst, verdict.max_abs_error), max(flips, len(verdict.flips))
+        if not verdict.passed:
+            lines.append(f"{name_of(each)}: {verdict.reason}")
+    print(f"{len(variants)} variants, largest error {worst:.2g} m/s, at most {flips} flips")
+    return lines
+
+
+def compile_alone(
+    source: KernelSource | Path, compiler: str, folder: Path, *flags: str
+) -> subprocess.CompletedProcess[str]:
+    """A kernel as a user compiles it: no flag but those given."""
+    if isinstance(source, Path):
+        path, include = source, source.parent
+    else:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "carom.h").write_text(source.header, encoding="utf-8")
+        path, include = folder / "kernel.cpp", folder
+        path.write_text(source.source, encoding="utf-8")
+    command = [compiler, "-std=c++17", *WARNINGS, *flags, f"-I{include}", "-c", str(path)]
+    command += ["-o", str(folder / "kernel.o")]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)

@@ -1,0 +1,182 @@
+"""The registry: names, rules, presets, and that every option does something that holds."""
+
+from __future__ import annotations
+
+import random
+import re
+from dataclasses import replace
+
+import pytest
+from kernels import (
+    EULER,
+    Cases,
+    bench_tool,
+    build_all,
+    expected_cases,
+    failures,
+    is_legal,
+    neighbours,
+    random_variants,
+    variant,
+)
+
+from generator.emission.kernel_source import emit
+from generator.targets.target import find_target, targets
+from generator.timing.bench_tool import BenchTool
+from generator.toolchain.flags import compile_flags
+from generator.variants.axes import axes_of
+from generator.variants.names import name_of, source_name_of, variant_of
+from generator.variants.presets import PAPER_PRESETS, PRESETS, find_preset
+from generator.variants.rules import RULES, broken_rule, require_legal
+from generator.variants.variant import Stepper, Variant, make_variant
+from generator.verification.reference import MODELS
+
+TARGETS = ("x86-64-v2", "x86-64-v3")
+# Cycles in "What the report did"; None: a row that the report describes without a figure.
+REPORT_ROWS = {
+    "paper-initial": 46175,
+    "paper-precompute": 46787,
+    "paper-fma": 51066,
+    "paper-masks": 53472,
+    "paper-simd": 64760,
+    "paper-simd-rewritten": 46533,
+    "paper-prepost": None,
+    "paper-less-roots": None,
+    "paper-best": 33240,
+    "paper-best-twostage": 33739,
+}
+
+
+@pytest.fixture(scope="module")
+def tool() -> BenchTool:
+    return bench_tool()
+
+
+@pytest.fixture(scope="module")
+def cases(tool: BenchTool) -> Cases:
+    return expected_cases(tool, 13, 2000)
+
+
+def body(each: Variant) -> str:
+    """The code of a variant: its text without comments and its own name."""
+    text = emit(each).source.replace(source_name_of(each), "NAME")
+    text = re.sub(r'return\s+"[^;]*;', "return NAME;", text)
+    return "\n".join(line for line in text.splitlines() if not line.lstrip().startswith("//"))
+
+
+def test_names_are_read_back() -> None:
+    rng = random.Random(3)
+    for each in random_variants(3, 300, tuple(targets())):
+        goal = rng.choice([EULER, Stepper("euler", steps=rng.randrange(1, 10**8))])
+        made = replace(each, stepper=goal, width=rng.choice([1, 2, 4, 8]))
+        assert variant_of(name_of(made)) == made
+    assert len({name_of(v) for v in random_variants(4, 500, TARGETS)}) == 500
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (lambda n: n.replace(".n1000.", ".many."), "no goal"),
+        (lambda n: n.replace(".x1.", ".1."), "no width"),
+        (lambda n: n.rsplit(".", 1)[0], "choices"),
+        (lambda n: n.replace(".nested.", ".nasty."), "no value 'nasty'"),
+        (lambda n: "one.two", "no kernel name"),
+    ],
+)
+def test_wrong_names_are_refused(change, complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        variant_of(change(name_of(variant())))
+
+
+def test_every_rule_can_be_broken_alone_of_what_comes_before() -> None:
+    """A rule that nothing reaches is dead: each must be the reason for some refusal."""
+    rng, met = random.Random(5), set()
+    axes = axes_of("euler")
+    for _ in range(60000):
+        options = {a.key: rng.choice(a.codes()) for a in axes}
+        rule = broken_rule(variant("x86-64-v2", **options), find_target("x86-64-v2"))
+        if rule is not None:
+            met.add(rule.name)
+    others = {r.name for r in RULES} - met
+    # No target of the registry lacks an estimate; the rule is for one that will.
+    assert others <= {"estimate-needs-hardware"}
+
+
+def test_a_refusal_names_the_rule_and_the_reason() -> None:
+    with pytest.raises(ValueError, match=r"illegal combination \(fma-needs-hardware\): the target"):
+        require_legal(variant("x86-64-v2", fma="fma"), find_target("x86-64-v2"))
+
+
+def test_every_row_of_the_report_is_a_preset() -> None:
+    assert {p.name: p.report_cycles for p in PAPER_PRESETS} == REPORT_ROWS
+    assert find_preset("paper-initial").options == {
+        "compiler": "gcc",
+        "flags": "report",
+        "fma": "autofma",
+    }
+
+
+def test_presets_compile_and_verify_for_all_models(tool: BenchTool, cases: Cases) -> None:
+    made = [variant(model=m, **p.options) for m in MODELS for p in PRESETS]
+    assert all(is_legal(v) for v in made)
+    assert failures(tool, made, cases) == []
+
+
+def test_presets_are_different_kernels() -> None:
+    texts = {(body(v), v["flags"]) for v in (variant(**p.options) for p in PRESETS)}
+    assert len(texts) == len(PRESETS)
+
+
+def test_every_choice_changes_the_text_or_the_flags() -> None:
+    """One option away from a legal variant is another kernel, wherever the two are both legal."""
+    names = ("paper-masks", "paper-simd-rewritten", "reduced-ahead", "reduced")
+    bases = [variant(), *(variant(**find_preset(name).options) for name in names)]
+    bases.append(bases[-1].with_options(simd="slips"))
+    seen: set[tuple[str, str]] = set()
+    texts: dict[str, str] = {}
+    for base in bases:
+        for other in neighbours(base):
+            changed = next(k for k, code in other.options if code != base[k])
+            if changed in ("compiler", "flags") or not is_legal(other):
+                continue
+            for each in (base, other):
+                if name_of(each) not in texts:
+                    texts[name_of(each)] = body(each)
+            assert texts[name_of(base)] != texts[name_of(other)], (name_of(base), changed)
+            seen |= {(changed, base[changed]), (changed, other[changed])}
+    every = {(a.key, code) for a in axes_of("euler") for code in a.codes()}
+    alone = {(k, c) for k, c in every - seen if k not in ("compiler", "flags")}
+    reached = {choice for base in bases for choice in base.options}
+    print("legal only together with others:", sorted(alone))
+    assert alone <= reached | {("simd", "slips"), ("simd", "balls")}
+
+
+def test_flags_follow_the_axis() -> None:
+    from generator.toolchain.compilers import find_compilers
+
+    compiler, target = find_compilers()[0], find_target("x86-64-v3")
+    strict = compile_flags(variant(), compiler, target)
+    report = compile_flags(variant(flags="report"), compiler, target)
+    assert "-O3" in strict and "-Ofast" in report
+    assert strict[-1] == "-ffp-contract=off"
+    assert compile_flags(variant(fma="autofma"), compiler, target)[-1] == "-ffp-contract=fast"
+
+
+def test_one_option_away_compiles_and_verifies(tool: BenchTool, cases: Cases) -> None:
+    bases = (variant(model="mathavan2014"), variant(**find_preset("reduced-ahead").options))
+    made = [v for base in bases for v in neighbours(base) if is_legal(v)]
+    assert failures(tool, made, cases) == []
+
+
+def test_random_combinations_compile_and_verify(tool: BenchTool, cases: Cases) -> None:
+    made = random_variants(2014, 40, TARGETS)
+    assert {v.model for v in made} == set(MODELS)
+    assert failures(tool, made, cases) == []
+
+
+def test_the_scene_pool_compiles() -> None:
+    made = [
+        make_variant("x86-64-v3", "pool", m, EULER, **find_preset("reduced-ahead").options)
+        for m in MODELS
+    ]
+    assert [b for b in build_all(made) if isinstance(b, Exception)] == []
