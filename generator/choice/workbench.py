@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from functools import cache
 from pathlib import Path
@@ -250,12 +252,16 @@ class Workbench:
     def model(self, candidates: Sequence[Candidate], target: Target) -> None:
         """llvm-mca's figures for the loop of each candidate on the target."""
         alive = [c for c in candidates if not c.rejected]
-        for index, candidate in enumerate(alive):
-            self.progress(f"modelling on {target.row.mca_cpu} (llvm-mca)", index, len(alive))
+
+        def model_one(candidate: Candidate) -> None:
             try:
                 candidate.mca = self._model_one(candidate, target)
             except KernelError as error:
                 candidate.rejected = f"llvm-mca: {error}"
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            for index, _ in enumerate(pool.map(model_one, alive)):
+                self.progress(f"modelling on {target.row.mca_cpu} (llvm-mca)", index, len(alive))
         self.progress("modelling", len(alive), len(alive))
 
     def _model_one(self, candidate: Candidate, target: Target) -> McaReport:
