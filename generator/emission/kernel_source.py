@@ -13,6 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from generator.emission import isa
 from generator.emission.banner import banner, source_hash
+from generator.emission.exact_context import ExactContext, exact_context
 from generator.emission.formatting import format_source
 from generator.lowering.counts import OperationCounts
 from generator.lowering.fixed_step_loops import Loop, LoopBuilder
@@ -22,7 +23,7 @@ from generator.scenes.scene import LIMITS, UNITS, Scene, find_scene
 from generator.targets.target import Target, find_target
 from generator.variants.names import source_name_of
 from generator.variants.rules import require_legal
-from generator.variants.variant import Variant
+from generator.variants.variant import Stepper, Variant, make_variant
 
 MEANINGS = {
     "R": "m, radius of both balls",
@@ -91,6 +92,7 @@ class KernelContext:
     pair_rsqrt: tuple[str, ...] = ()
     pair_fma: str = ""
     rsqrt_call: str = "exact_rsqrt"
+    exact: ExactContext | None = None
     quad_lanes: tuple[dict[str, str], ...] = field(
         default=tuple({"name": n, "index": str(i)} for i, n in enumerate(("v1", "o1", "v2", "o2")))
     )
@@ -110,7 +112,7 @@ class KernelContext:
     @property
     def scalar_estimate(self) -> bool:
         """Is a scalar root estimated? Lanes that are slips make all of theirs in pairs."""
-        return self.variant["simd"] != "slips"
+        return self.variant.get("simd") != "slips"
 
     def fma(self, a: str, b: str, c: str) -> str:
         """a * b + c as this kernel rounds it."""
@@ -148,14 +150,6 @@ def _environment() -> Environment:
     )
 
 
-@cache
-def templates_hash() -> str:
-    """Hash of all templates: part of what every generated file is made from."""
-    folder = templates_folder()
-    files = sorted(folder.rglob("*.j2"))
-    return source_hash(*(f"{f.relative_to(folder)}\n{f.read_text('utf-8')}" for f in files))
-
-
 def _fields(scene: Scene) -> tuple[tuple[Field, ...], tuple[Field, ...], tuple[Field, ...]]:
     fixed = tuple(
         Field(key, MEANINGS[key], number(sp.Float(scene.fixed[key], 17)))
@@ -177,9 +171,8 @@ def command_for(variant: Variant) -> str:
     return f"./gen --target {variant.target} --scene {variant.scene} --model {variant.model}"
 
 
-def _contract(variant: Variant, scene: Scene, loops: tuple[Loop, ...]) -> tuple[str, ...]:
+def _contract(variant: Variant, scene: Scene, method: tuple[str, ...]) -> tuple[str, ...]:
     model = find_model(variant.model)
-    loop = next((f for f in loops if f.pressed), loops[0])
     parameters = ", ".join(
         f"{key} {LIMITS[key][0] if key not in scene.ranges else scene.ranges[key][0]:g} to "
         f"{scene.range_of(key)[1]:g}"
@@ -188,14 +181,33 @@ def _contract(variant: Variant, scene: Scene, loops: tuple[Loop, ...]) -> tuple[
     )
     lines = (
         f"Frictional collision of two equal balls, contact model `{model.name}`: {model.text}.",
-        f"Stepper: Euler, N = {variant.stepper.steps} steps; error against the vanishing step "
-        "about 1/N of the relative speed, up to 1e-3 of it in hard cases at N = 1000.",
+        method[0],
         f"Valid: {parameters or 'every parameter is fixed'}; speeds below 1e100 m/s.",
         "Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.",
-        f"Operations an iteration: {loop.counts().describe()} ({loop.counts().flops} flops).",
+        *method[1:],
         "Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.",
     )
     return tuple(part for line in lines for part in textwrap.wrap(line, 96))
+
+
+def _fixed_step_contract(variant: Variant, counts: OperationCounts) -> tuple[str, ...]:
+    return (
+        f"Stepper: Euler, N = {variant.stepper.steps} steps; error against the vanishing step "
+        "about 1/N of the relative speed, up to 1e-3 of it in hard cases at N = 1000.",
+        f"Operations an iteration: {counts.describe()} ({counts.flops} flops).",
+    )
+
+
+def _exact_contract(context: KernelContext) -> tuple[str, ...]:
+    exact = context.exact
+    assert exact is not None
+    return (
+        f"Stepper: adaptive {exact.tableau.name}, order {exact.tableau.order}; error against the "
+        f"exact solution at most {exact.budget:g} of the relative speed |v1 - v2|, each of v and "
+        "R w, as far as verification has seen (docs/accuracy.md).",
+        f"Operations a step: {exact.counts.describe()} ({exact.counts.flops} flops), without the "
+        "control of its length and the roots' own.",
+    )
 
 
 def _helpers(variant: Variant) -> tuple[str, ...]:
@@ -217,8 +229,32 @@ def _helpers(variant: Variant) -> tuple[str, ...]:
     return tuple(f"fixed_step/helpers/{name}.j2" for name in wanted)
 
 
-def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> None:
-    """Fill in what the fixed-step core needs."""
+def _exact(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:
+    """Fill in what the exact core needs; the operations of a step."""
+    terms = find_model(variant.model).terms
+    fixed = LoopBuilder(_plain_loops(variant), terms)
+    before = tuple(fixed.low.slips_of_contact())
+    after = (*fixed.low.velocities_from_sums(0), *fixed.low.lift_from_sums())
+    context.exact = exact_context(variant, terms, target, before, after)
+    context.core_template = "exact/single.j2"
+    context.lift = terms.lift
+    return context.exact.counts
+
+
+def _plain_loops(variant: Variant) -> Variant:
+    """The fixed-step variant whose lowering prints slips and velocities outside any loop."""
+    return make_variant(
+        variant.target,
+        variant.scene,
+        variant.model,
+        Stepper("euler", steps=1),
+        reuse="precompute",
+        fma=variant["fma"],
+    )
+
+
+def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:
+    """Fill in what the fixed-step core needs; the operations of an iteration."""
     terms = find_model(variant.model).terms
     builder = LoopBuilder(variant, terms)
     context.functions = tuple(builder.loops())
@@ -234,6 +270,7 @@ def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> Non
     if variant["simd"] in ("balls", "slips"):
         context.pair_rsqrt = isa.pair_root(target, method)
         context.pair_fma = isa.pair_fma(target) if variant["fma"] == "fma" else ""
+    return next((f for f in context.functions if f.pressed), context.functions[0]).counts()
 
 
 def emit(variant: Variant, prefix: str = "carom", command: str | None = None) -> KernelSource:
@@ -262,32 +299,36 @@ def emit(variant: Variant, prefix: str = "carom", command: str | None = None) ->
         fields=fields,
         tilt_allowed=variant.model == "pooltool",
         vector_frame=vector_frame,
-        fixed_step=True,
+        fixed_step=variant.stepper.family == "euler",
         core_template="fixed_step/core.j2",
         project_template=f"sections/project_{'vector' if vector_frame else 'scalar'}.j2",
         restore_template=f"sections/restore_{'vector' if vector_frame else 'scalar'}.j2",
     )
-    _fixed_step(context, variant, target)
-    context.contract = _contract(variant, scene, context.functions)
+    fixed_step = variant.stepper.family == "euler"
+    if fixed_step:
+        counts = _fixed_step(context, variant, target)
+        method = _fixed_step_contract(variant, counts)
+    else:
+        counts = _exact(context, variant, target)
+        method = _exact_contract(context)
+    context.contract = _contract(variant, scene, method)
     command = command or command_for(variant)
-    body = _environment().get_template("kernel.cpp.j2").render(k=context)
-    context.banner = banner("kernel.cpp.j2", name, command, source_hash(body, templates_hash()))
-    source = _environment().get_template("kernel.cpp.j2").render(k=context)
-    counts = next((f for f in context.functions if f.pressed), context.functions[0]).counts()
+    template = _environment().get_template("kernel.cpp.j2")
+    body = template.render(k=context, x=context.exact)
+    context.banner = banner("kernel.cpp.j2", name, command, source_hash(name, command, body))
+    source = template.render(k=context, x=context.exact)
     return KernelSource(
         variant=variant,
         source_name=name,
-        header=emit_header(scene, prefix, fields, True, context.steps, command),
+        header=emit_header(scene, prefix, fields, command),
         source=format_source(source, f"{name}.cpp"),
-        probe=emit_probe(prefix, fields, True),
+        probe=emit_probe(prefix, fields, fixed_step),
         counts=counts,
     )
 
 
-def emit_header(
-    scene: Scene, prefix: str, fields: tuple[Field, ...], fixed_step: bool, steps: int, command: str
-) -> str:
-    """carom.h for one scene."""
+def emit_header(scene: Scene, prefix: str, fields: tuple[Field, ...], command: str) -> str:
+    """carom.h for one scene: the same for all its kernels, fixed steps or not."""
     fixed_lines = [f"Fixed: {key} = {scene.fixed[key]!r} {UNITS[key]}" for key in scene.fixed]
     values = {
         "scene": scene,
@@ -296,8 +337,6 @@ def emit_header(
         "guard": f"{prefix.upper()}_H_",
         "fields": fields,
         "fixed_lines": fixed_lines,
-        "fixed_step": fixed_step,
-        "steps": steps,
     }
     template = _environment().get_template("carom.h.j2")
     body = template.render(banner="", **values)

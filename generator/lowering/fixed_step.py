@@ -351,6 +351,16 @@ class FixedStepLowering:
         assigns = [Assign(n.name, n + change) for n, change in kept.items()]
         return self._part([*assigns, APPROACH], self.plain)
 
+    def lift_from_sums(self) -> Part:
+        """Vertical velocity of the lifted ball: d_z > 0 lifts ball 1, d_z < 0 ball 2."""
+        if not self.terms.lift:
+            return Part((), OperationCounts())
+        lines = (
+            "b.v1z = b.v1z + (sum_dz > 0.0 ? sum_dz : 0.0);",
+            "b.v2z = b.v2z - (sum_dz < 0.0 ? sum_dz : 0.0);",
+        )
+        return Part(lines, OperationCounts(add=2, select=2))
+
     # -- lanes that are balls ------------------------------------------------------------------
 
     def ball_lane_slips(self) -> Part:

@@ -21,6 +21,7 @@ MaxOf = sp.Function("MaxOf", real=True)
 MinOf = sp.Function("MinOf", real=True)
 Divide = sp.Function("Divide", real=True)
 Fma = sp.Function("Fma", real=True)
+Plus = sp.Function("Plus", real=True)  # a sum whose order stays as written
 Group = sp.Function("Group", real=True)  # evaluate this sum or product on its own
 
 
@@ -43,11 +44,13 @@ class ExpressionPrinter:
         names: Mapping[str, str] | None = None,
         literal_suffix: str = "",
         fma_name: str = "std::fma",
+        number_format: str = "{}",
     ) -> None:
         self.place_fma = place_fma
         self.names = dict(names or {})
         self.literal_suffix = literal_suffix
         self.fma_name = fma_name
+        self.number_format = number_format
 
     def name_of(self, name: str) -> str:
         return self.names.get(name, name)
@@ -76,8 +79,11 @@ class ExpressionPrinter:
         raise TypeError(f"the printer does not know {type(e).__name__}: {e}")
 
     def _number(self, e: sp.Expr) -> tuple[str, int, OperationCounts]:
-        text = number(e, self.literal_suffix)
+        text = self._literal(e)
         return text, 1 if text.startswith("-") else 3, OperationCounts()
+
+    def _literal(self, e: sp.Expr) -> str:
+        return self.number_format.format(number(e, self.literal_suffix))
 
     def _wrapped(self, e: sp.Expr, strength: int) -> tuple[str, OperationCounts]:
         text, own, counts = self._print(e)
@@ -88,6 +94,10 @@ class ExpressionPrinter:
         if name == "Group":
             text, _, counts = self._print(e.args[0])
             return f"({text})", 3, counts
+        if name == "Plus":
+            left, _, counts_left = self._print(e.args[0])
+            right, counts_right = self._wrapped(e.args[1], 2)
+            return f"{left} + {right}", 1, counts_left + counts_right + OperationCounts(add=1)
         if name == "Divide":
             top, counts_top = self._wrapped(e.args[0], 2)
             bottom, counts_bottom = self._wrapped(e.args[1], 3)
@@ -124,7 +134,7 @@ class ExpressionPrinter:
             return product, 2 if size > 1 else 3, counts
         product = f"({product})" if size > 1 else product
         return (
-            f"{number(sp.Integer(1), self.literal_suffix)} / {product}",
+            f"{self._literal(sp.Integer(1))} / {product}",
             2,
             counts + OperationCounts(div=1),
         )
@@ -150,7 +160,7 @@ class ExpressionPrinter:
             texts.append(text)
             counts = counts + own
         if not texts:
-            return number(sp.Integer(1), self.literal_suffix), counts
+            return self._literal(sp.Integer(1)), counts
         return " * ".join(texts), counts + OperationCounts(mul=len(texts) - 1)
 
     def _product(self, e: sp.Expr) -> tuple[str, int, OperationCounts]:

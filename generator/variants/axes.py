@@ -91,6 +91,14 @@ AXES: tuple[Axis, ...] = (
         early="two or three at the start, before any branch",
     ),
     _axis(
+        "root",
+        "reciprocal of a slip's length in an exact stepper",
+        "exact",
+        inv="sqrt and division",
+        est1="hardware estimate and one Newton step",
+        est2="hardware estimate and two Newton steps",
+    ),
+    _axis(
         "fma",
         "fused multiply-add",
         "all",
