@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import shutil
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,11 @@ from generator.choice.selection import FILE, Selection, read_selection
 from generator.emission.files import write_atomically
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
+from generator.scenes.models import find_model
+from generator.scenes.scene import find_scene
+from generator.targets.target import find_target
 from generator.variants.names import source_name_of, variant_of
+from generator.variants.rules import require_legal
 
 
 @dataclass(frozen=True)
@@ -41,6 +46,30 @@ def file_of(kernel: str) -> str:
     return f"{source_name_of(variant_of(kernel))}.cpp"
 
 
+def checked_selection(folder: Path) -> Selection | None:
+    """As read_selection, and every kernel named in it can be made. InputError names what cannot."""
+    selection = read_selection(folder)
+    if selection is None:
+        return None
+    path = folder / FILE
+    cure = f"make it anew with ./gen --target {folder.parent.name} --scene {folder.name}"
+    if (selection.target, selection.scene) != (folder.parent.name, folder.name):
+        there = f"{selection.target}/{selection.scene}"
+        raise InputError(f"{path}: target/scene: {there}, but it lies elsewhere; {cure}")
+    for index, entry in enumerate(selection.kernels):
+        try:
+            variant = variant_of(entry.kernel)
+            require_legal(variant, find_target(variant.target))
+            find_scene(variant.scene)
+            find_model(variant.model)
+            named = (variant.target, variant.scene, variant.model, file_of(entry.kernel))
+            if named != (selection.resolved, selection.scene, entry.model, entry.file):
+                raise ValueError("the name says another target, scene, model or file")
+        except (ValueError, InputError) as error:
+            raise InputError(f"{path}: kernels.{index}.kernel: {error}; {cure}") from None
+    return selection
+
+
 def files_of(selection: Selection) -> dict[str, str]:
     """Names and texts of all files of a folder, selection.json included."""
     files = {FILE: selection.text()}
@@ -64,12 +93,37 @@ def write_folder(folder: Path, selection: Selection) -> list[Path]:
     for name in sorted(files, key=lambda n: n == FILE):
         write_atomically(folder / name, files[name])
     for stray in _strays(folder, files):
-        stray.unlink()
+        remove(stray)
     return [folder / name for name in files]
 
 
 def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
-    return sorted(p for p in folder.iterdir() if p.is_file() and p.name not in files)
+    return sorted(p for p in folder.iterdir() if p.name not in files)
+
+
+def strays_beside(root: Path) -> list[Path]:
+    """What lies in a folder `generated` and belongs to no folder with a selection."""
+    if root.resolve().name != "generated":
+        return []  # a folder that a user named may hold other things of the user's
+    kept = set(folders(root))
+    above = {path.parent for path in kept}
+    found = [path for path in root.iterdir() if path not in above]
+    found += [path for place in above for path in place.iterdir() if path not in kept]
+    return sorted(found)
+
+
+def remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink()
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_bytes().decode()
+    except (OSError, UnicodeDecodeError) as error:
+        return f"({error})"
 
 
 def folders(root: Path) -> list[Path]:
@@ -79,7 +133,7 @@ def folders(root: Path) -> list[Path]:
 
 def differences(folder: Path) -> list[Difference]:
     """How a folder differs from what the sources give: file set and bytes."""
-    selection = read_selection(folder)
+    selection = checked_selection(folder)
     if selection is None:
         raise InputError(f"{folder}: no {FILE}; make it with ./gen --target {folder.parent.name}")
     files = files_of(selection)
@@ -88,7 +142,7 @@ def differences(folder: Path) -> list[Difference]:
         path = folder / name
         if not path.exists():
             found.append(Difference(path, "missing"))
-        elif (old := path.read_text("utf-8")) != text:
+        elif (old := _text(path)) != text:
             lines = difflib.unified_diff(
                 old.splitlines(), text.splitlines(), str(path), "from the sources", lineterm="", n=1
             )

@@ -22,7 +22,7 @@ def bench(target: str, scene: str, model: str | None, json_path: Path, seconds: 
     from generator.choice.lookup import require_runs
     from generator.choice.selection import read_selection
     from generator.cli.bench_rows import bench_rows
-    from generator.cli.session import ROOT, resolve_target, workbench
+    from generator.cli.session import ROOT, require_place, resolve_target, workbench
     from generator.emission.files import write_atomically
     from generator.scenes.models import find_model
     from generator.scenes.scene import find_scene
@@ -41,8 +41,7 @@ def bench(target: str, scene: str, model: str | None, json_path: Path, seconds: 
     entries = [e for e in selection.kernels if model in (None, e.model)]
     if not entries:
         raise InputError(f"{folder}: no kernel for --model {model}; run ./gen with that --model")
-    if not json_path.parent.is_dir():
-        raise InputError(f"{json_path}: there is no folder {json_path.parent}")
+    require_place(json_path)
     with workbench() as tools:
         rows = bench_rows(tools, resolved, scene, entries, seconds)
         document = {

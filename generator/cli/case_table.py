@@ -26,11 +26,11 @@ class CaseTable:
 
 def _number(text: str | None, path: Path, line: int, name: str) -> float:
     try:
-        value = float(text or "")
+        value = float((text or "").replace("_", "x"))  # Python alone reads 1_000 as a number
     except ValueError:
-        shown = text if text else "nothing"
+        shown = f"'{text}'" if text else "nothing"
         raise InputError(
-            f"{path}: row {line}, column {name}: '{shown}' is no number; write one as 0.05"
+            f"{path}: row {line}, column {name}: {shown} is no number; write one as 0.05"
         ) from None
     if name in LIMITS and not math.isnan(value):
         low, high = LIMITS[name]
@@ -57,9 +57,17 @@ def read_case_table(path: Path) -> CaseTable:
         raise InputError(
             f"{path}: row 1: no column {missing[0]}; expected id,{','.join(CASE_NAMES)}"
         )
+    twice = [name for name in ("id", *CASE_NAMES) if header.count(name) > 1]
+    if twice:
+        raise InputError(f"{path}: row 1: column {twice[0]} twice; expected it once")
     ids, rows = [], []
     try:
         for record in reader:
+            if None in record:
+                raise InputError(
+                    f"{path}: row {reader.line_num}: more values than the {len(header)} columns of "
+                    "row 1; expected one a column"
+                )
             ids.append(record["id"])
             rows.append([_number(record[n], path, reader.line_num, n) for n in CASE_NAMES])
     except csv.Error as error:

@@ -29,7 +29,7 @@ def collide(
     """Collide the cases of a CSV file."""
     from generator.choice.lookup import kernel_for, require_runs, with_compiler_found
     from generator.cli.case_table import outcome_text, read_case_table
-    from generator.cli.session import ROOT, resolve_target, workbench
+    from generator.cli.session import ROOT, require_place, resolve_target, workbench
     from generator.emission.files import write_atomically
     from generator.errors import KernelError
     from generator.scenes.models import find_model
@@ -40,8 +40,7 @@ def collide(
     model_name = find_model(model or find_scene("any").model).name
     resolved, host = resolve_target(target)
     table = read_case_table(cases)
-    if not out.parent.is_dir():
-        raise InputError(f"{out}: there is no folder {out.parent}")
+    require_place(out)
     require_runs(host, resolved)
     count = steps or 1000
     variant = kernel_for(ROOT / "generated", target, resolved, "any", model_name, count)

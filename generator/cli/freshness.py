@@ -6,8 +6,15 @@ from pathlib import Path
 
 import click
 
-from generator.choice.folder import differences, folders, write_folder
-from generator.choice.selection import read_selection
+from generator.choice.folder import (
+    Difference,
+    checked_selection,
+    differences,
+    folders,
+    remove,
+    strays_beside,
+    write_folder,
+)
 from generator.cli.session import ROOT
 from generator.errors import InputError
 
@@ -26,6 +33,7 @@ def run_check(out: Path | None) -> int:
     """0 where every file is as the sources give it, else 1 with the differences and the cure."""
     found = _folders(out)
     differing = [d for folder in found for d in differences(folder)]
+    differing += [Difference(path, "stray") for path in strays_beside(out or ROOT / "generated")]
     for difference in differing:
         click.echo(f"{difference.path}: {difference.what}")
         for line in difference.diff[:_MOST_LINES]:
@@ -39,11 +47,14 @@ def run_check(out: Path | None) -> int:
 
 def run_update(out: Path | None) -> int:
     """Make every folder what the sources give, from its selection.json."""
-    for folder in _folders(out):
-        selection = read_selection(folder)
+    selections = {folder: checked_selection(folder) for folder in _folders(out)}
+    for folder, selection in selections.items():
         assert selection is not None
         changed = [d.path for d in differences(folder)]
         if changed:
             write_folder(folder, selection)
         click.echo(f"{folder}: {len(changed)} files changed")
+    for path in strays_beside(out or ROOT / "generated"):
+        remove(path)
+        click.echo(f"{path}: removed, no selection.json names it")
     return 0

@@ -77,11 +77,9 @@ def gen(
         return run_check(out) if check else run_update(out)
     if target is None:
         raise click.UsageError("name a target, as ./gen --target native (or see ./gen --help)")
-    if max_error is not None:
-        raise click.UsageError("--max-error: no exact steppers yet")
     from generator.cli.main_job import run_main_job
 
-    run_main_job(target, scene, model, out, seconds, fresh)
+    run_main_job(target, scene, model, out, seconds, fresh, max_error)
     return None
 
 

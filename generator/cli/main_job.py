@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from rich.console import Console
 
-from generator.choice.candidates import baseline, fixed_step_candidates
+from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
 from generator.choice.choose import Choice, choose_by_model, choose_by_time, selected
-from generator.choice.folder import require_writable, write_folder
-from generator.choice.selection import Selection, read_selection
-from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
+from generator.choice.folder import checked_selection, require_writable, write_folder
+from generator.choice.selection import Selection
+from generator.choice.workbench import (
+    VERIFY_RANDOM,
+    VERIFY_SEED,
+    Candidate,
+    Expected,
+    Workbench,
+)
 from generator.cli.main_table import LEAST_WIDTH, show_table
 from generator.cli.session import ROOT, resolve_target, workbench
 from generator.scenes.models import MODELS, find_model
 from generator.scenes.scene import find_scene
+from generator.steppers.budgets import plan_for
 from generator.targets.host import Host
 from generator.targets.target import Target
 from generator.variants.names import name_of
@@ -30,30 +38,64 @@ def run_main_job(
     out: Path | None,
     seconds: float,
     fresh: bool = False,
+    max_error: float | None = None,
 ) -> None:
     """Everything that `./gen --target T` does; model `all` does it for each in turn."""
     target, host = resolve_target(target_name)
     known = find_scene(scene)
     names = [m.name for m in MODELS] if model == "all" else [find_model(model or known.model).name]
+    plan_for(max_error or known.max_error)
     folder = (out or ROOT / "generated") / target_name / scene
-    read_selection(folder)  # what is wrong with it shall be said before the work, not after
+    checked_selection(folder)  # what is wrong with it shall be said before the work, not after
     require_writable(folder)
     console = Console()
     if console.width < LEAST_WIDTH:
         console.width = LEAST_WIDTH
     with workbench(fresh=fresh) as bench:
         for name in names:
-            candidates, first, choice = fixed_step_job(bench, target, host, scene, name, seconds)
-            selection = read_selection(folder) or Selection(
-                target=target_name, resolved=target.name, scene=scene, kernels=[]
-            )
-            selection = selection.model_copy(update={"resolved": target.name})
-            entry = selected(choice, first)
-            write_folder(folder, selection.with_entries([entry]))
-            console.print(f"model {name}, N = {STEPS}", highlight=False)
-            show_table(console, candidates, choice, target, host)
-            _footnotes(console, bench, candidates, choice, target, host)
-            console.print(f"written: {folder}/ ({entry.file})", highlight=False, soft_wrap=True)
+            jobs = [] if max_error is not None else [fixed_step_job]
+            for job in (*jobs, exact_job(max_error or known.max_error)):
+                candidates, first, choice = job(bench, target, host, scene, name, seconds)
+                selection = checked_selection(folder) or Selection(
+                    target=target_name, resolved=target.name, scene=scene, kernels=[]
+                )
+                selection = selection.model_copy(update={"resolved": target.name})
+                entry = selected(choice, first)
+                write_folder(folder, selection.with_entries([entry]))
+                console.print(f"\nmodel {name}, {_goal(choice)}", highlight=False)
+                show_table(console, candidates, choice, target, host)
+                _footnotes(console, bench, candidates, choice, target, host)
+                console.print(f"written: {folder}/ ({entry.file})", highlight=False, soft_wrap=True)
+
+
+def _goal(choice: Choice) -> str:
+    stepper = choice.chosen.variant.stepper
+    if stepper.steps is not None:
+        return f"fixed steps, N = {stepper.steps}"
+    return f"exact to {stepper.budget:g} of the relative speed"
+
+
+Job = Callable[
+    [Workbench, Target, Host, str, str, float], tuple[list[Candidate], Candidate, Choice]
+]
+
+
+def exact_job(budget: float) -> Job:
+    """The job for an error budget: candidates, the baseline first, and the choice."""
+
+    def job(
+        bench: Workbench, target: Target, host: Host, scene: str, model: str, seconds: float
+    ) -> tuple[list[Candidate], Candidate, Choice]:
+        codes = list(bench.compilers)
+        first = baseline(target, scene, model, STEPS, codes)
+        candidates = bench.prepare(
+            [first, *exact_candidates(target, scene, model, budget, codes)], target
+        )
+        bench.compile(candidates)
+        expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
+        return _judged(bench, candidates, expected, target, host, scene, seconds)
+
+    return job
 
 
 def fixed_step_job(
@@ -67,6 +109,19 @@ def fixed_step_job(
     candidates = bench.prepare(variants, target)
     bench.compile(candidates)
     expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
+    return _judged(bench, candidates, expected, target, host, scene, seconds)
+
+
+def _judged(
+    bench: Workbench,
+    candidates: list[Candidate],
+    expected: Expected,
+    target: Target,
+    host: Host,
+    scene: str,
+    seconds: float,
+) -> tuple[list[Candidate], Candidate, Choice]:
+    """Verified and timed where the target's code runs here; chosen by time on the target alone."""
     runs_here = host.runs(target)
     is_host = runs_here and host.target.name == target.name and host.exact
     if runs_here:

@@ -54,6 +54,8 @@ def show_table(
 
 def preset_of(variant: Variant) -> str:
     """The report's name for a variant, whichever compiler makes it, or empty."""
+    if variant.stepper.family != "euler":
+        return ""
     for preset in PAPER_PRESETS:
         options = {**preset.options, "compiler": variant["compiler"]}
         if preset.name == "paper-initial" and variant.get("fma") == "nofma":
@@ -85,7 +87,9 @@ def _label(variant: Variant, base: dict[str, str]) -> str:
     preset = preset_of(variant)
     if not preset:
         differing = [code for key, code in variant.options if base.get(key) != code]
-        return f"ours: {' '.join(differing) or '(as below)'}"
+        exact = variant.stepper.family == "exact"
+        head = variant.stepper.name if exact else "ours"
+        return f"{head}: {' '.join(differing) or '(as below)'}"
     initial = {"compiler": "gcc", **PAPER_PRESETS[0].options}
     differing = [c for k, c in variant.options if c != initial.get(k, axis(k).default)]
     return f"{preset}: {' '.join(differing)}" if differing else preset
@@ -112,8 +116,17 @@ def _figures(candidate: Candidate, modelled: bool, roomy: bool) -> list[str]:
     else:
         low, high = timing.ratio_ci
         row.append(f"{timing.ratio:.3f}\n{low:.3f}-{high:.3f}")
-    row.append(f"{verdict.max_abs_error:.1e}" if verdict else "-")
+    row.append(_error(candidate))
     return row
+
+
+def _error(candidate: Candidate) -> str:
+    """Against the scheme in m/s for fixed steps, against the exact result and relative else."""
+    if candidate.verdict is None:
+        return "-"
+    if candidate.variant.stepper.family == "exact":
+        return f"{candidate.verdict.max_rel_error:.1e}\nrelative"
+    return f"{candidate.verdict.max_abs_error:.1e}"
 
 
 def _mark(candidate: Candidate, choice: Choice) -> str:

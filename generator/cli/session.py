@@ -31,6 +31,16 @@ def resolve_target(name: str) -> tuple[Target, Host]:
     return (host.target if name == "native" else find_target(name)), host
 
 
+def require_place(path: Path) -> None:
+    """Raise InputError where a file cannot be written, before any work is done for it."""
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; expected the name of a file")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: there is no folder {path.parent}; make it first")
+    if not os.access(path.parent, os.W_OK):
+        raise InputError(f"{path}: no permission to write in {path.parent}")
+
+
 @contextmanager
 def workbench(quiet: bool = False, fresh: bool = False) -> Iterator[Workbench]:
     """A workbench whose progress shows on standard error what it is doing."""

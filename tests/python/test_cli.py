@@ -1,0 +1,344 @@
+"""The commands as users call them: results, one line of complaint, exit status, nothing written."""
+
+from __future__ import annotations
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from kernels import ROOT, bench_tool, variant
+
+import generator.cli.session as session
+from generator.cli.main import gen
+from generator.cli.main_table import preset_of
+from generator.errors import InputError
+from generator.scenes.scene import parse_scene
+from generator.targets.target import load_rows
+from generator.toolchain.compilers import find_compilers
+from generator.variants.names import name_of
+from generator.variants.presets import find_preset
+from generator.verification.errors import OUTCOME_COLUMNS, STICKS
+from generator.verification.euler import euler_verdict
+from generator.verification.reference import FOLDER, OUTCOME_NAMES, load_reference
+
+INPUTS = FOLDER / "inputs.csv"
+
+
+def call(*arguments: object) -> Result:
+    return CliRunner().invoke(gen, [str(a) for a in arguments])
+
+
+def refused(result: Result, *parts: str) -> None:
+    """One line on standard error with all parts, nothing on standard output, exit status 2."""
+    print(result.stderr)
+    assert result.exit_code == 2, (result.exit_code, result.output, result.exception)
+    lines = [line for line in result.stderr.splitlines() if not line.startswith("carom:")]
+    assert len(lines) == 1 and lines[0].startswith("gen: "), result.stderr
+    assert result.stdout == ""
+    for part in parts:
+        assert part in lines[0], lines[0]
+
+
+@pytest.fixture
+def lines() -> list[str]:
+    return INPUTS.read_text("utf-8").splitlines()[:6]
+
+
+def written(folder: Path, lines: list[str]) -> Path:
+    path = folder / "cases.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def changed(lines: list[str], row: int, column: str, value: str) -> list[str]:
+    names = lines[0].split(",")
+    fields = lines[row].split(",")
+    fields[names.index(column)] = value
+    return [*lines[:row], ",".join(fields), *lines[row + 1 :]]
+
+
+def outcomes(path: Path) -> tuple[list[str], np.ndarray]:
+    with path.open(newline="", encoding="utf-8") as file:
+        records = list(csv.DictReader(file))
+    assert list(records[0]) == ["id", *OUTCOME_NAMES, "status"]
+    rows = np.array([[float(r[n]) for n in (*OUTCOME_NAMES, "status")] for r in records])
+    return [r["id"] for r in records], rows
+
+
+# ---- collide ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("target", ["native", "zen3"])
+@pytest.mark.parametrize("code", ["gcc", "clang"])
+def test_collide_reproduces_pooltool(target, code, tmp_path, monkeypatch) -> None:
+    only = tuple(c for c in find_compilers() if c.code == code)
+    if not only:
+        pytest.skip(f"no {code} on this machine")
+    monkeypatch.setattr(session, "find_compilers", lambda: only)
+    out = tmp_path / "out.csv"
+    options = ("--model", "pooltool", "--steps", 1000, "--target", target)
+    result = call("collide", "--cases", INPUTS, "--out", out, *options)
+    assert result.exit_code == 0, result.stderr
+    reference, tool = load_reference(), bench_tool()
+    ids, got = outcomes(out)
+    assert tuple(map(int, ids)) == reference.ids
+    marks = tool.expect(reference.cases, "euler", "pooltool")[:, STICKS:]
+    want = np.hstack([reference.euler_pooltool[:, :OUTCOME_COLUMNS], marks])
+    verdict = euler_verdict(reference.cases, got, want, reference.exact["pooltool"], 1000)
+    print(
+        f"{target} {code}: {verdict.reason}; largest difference {verdict.max_abs_error:.2g} m/s, "
+        f"{len(verdict.flips)} flips of at most {verdict.max_flip_error:.2g} m/s"
+    )
+    assert verdict.passed, verdict.reason
+
+
+def test_collide_batch_steps_and_extra_columns(lines, tmp_path) -> None:
+    cases = written(tmp_path, [f"{line},{n}" for n, line in enumerate(lines)])
+    results = {}
+    for name, options in {
+        "plain": (),
+        "batch": ("--batch",),
+        "same": ("--steps", 1000),
+        "fine": ("--steps", 5000),
+    }.items():
+        out = tmp_path / f"{name}.csv"
+        result = call("collide", "--cases", cases, "--out", out, *options)
+        assert result.exit_code == 0, result.stderr
+        results[name] = outcomes(out)[1]
+    assert np.array_equal(results["plain"], results["batch"])
+    assert np.array_equal(results["plain"], results["same"])
+    assert 0 < np.abs(results["plain"] - results["fine"]).max() < 0.5
+
+
+def test_collide_says_what_a_row_with_nan_is(lines, tmp_path) -> None:
+    cases = written(tmp_path, changed(lines, 2, "v1x", "nan"))
+    result = call("collide", "--cases", cases, "--out", tmp_path / "out.csv")
+    assert result.exit_code == 0, result.stderr
+    status = outcomes(tmp_path / "out.csv")[1][:, 12]
+    assert list(status) == [0, 2, 0, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("change", "parts"),
+    [
+        (lambda t: changed(t, 0, "u_b", "friction"), ("row 1", "u_b", "expected id,")),
+        (lambda t: changed(t, 3, "w2z", "fast"), ("row 4, column w2z", "'fast' is no number")),
+        (lambda t: changed(t, 3, "w2z", ""), ("row 4, column w2z", "nothing is no number")),
+        (lambda t: changed(t, 3, "v1x", "1_0"), ("row 4, column v1x", "no number")),
+        (lambda t: changed(t, 1, "R", "0"), ("row 2, column R", "0 is out of range", "1e-09 to")),
+        (lambda t: changed(t, 1, "R", "-0.03"), ("row 2, column R", "-0.03")),
+        (lambda t: changed(t, 1, "M", "0"), ("row 2, column M",)),
+        (lambda t: changed(t, 5, "e_b", "1.01"), ("row 6, column e_b", "expected 0 to 1")),
+        (lambda t: changed(t, 2, "u_s1", "-0.1"), ("row 3, column u_s1",)),
+        (lambda t: changed(t, 2, "u_b", "-1e-9"), ("row 3, column u_b",)),
+        (lambda t: t[:1], ("only a header",)),
+        (lambda t: [], ("no column id",)),
+        (lambda t: [*t, t[1] + ",5"], ("row 7", "more values")),
+        (lambda t: [line + "," + ("R", "1")[n > 0] for n, line in enumerate(t)], ("twice",)),
+    ],
+)
+def test_collide_refuses_bad_cases(change, parts, lines, tmp_path) -> None:
+    cases = written(tmp_path, change(lines))
+    out = tmp_path / "out.csv"
+    refused(call("collide", "--cases", cases, "--out", out), "cases.csv", *parts)
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "parts"),
+    [
+        (("--target", "zen9"), ("--target zen9", "native, x86-64-v2")),
+        (("--model", "billiards"), ("--model billiards", "mathavan2014")),
+        (("--steps", "0"), ("--steps", "1<=x")),
+        (("--steps", "many"), ("--steps",)),
+        (("--colour", "red"), ("--colour",)),
+        (("--steps", "5", "--max-error", "1e-6"), ("--steps", "--max-error")),
+        (("--cases", "none.csv"), ("none.csv", "No such file")),
+        (("--cases", "/bin/true"), ("/bin/true",)),
+        (("--out", "/no/such/folder/out.csv"), ("/no/such/folder", "make it first")),
+        (("--out", "/"), ("is a folder",)),
+        (("--out", "/etc/passwd/out.csv"), ("/etc/passwd",)),
+    ],
+)
+def test_collide_refuses_bad_options(options, parts, tmp_path) -> None:
+    out = tmp_path / "out.csv"
+    refused(call("collide", "--cases", INPUTS, "--out", out, *options), *parts)
+    assert list(tmp_path.iterdir()) == []
+
+
+# ---- the main job, bench, explain, list ------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        ((), ("--target native",)),
+        (("--target", "zen9"), ("zen9", "zen3")),
+        (("--target", "zen3", "--scene", "moon"), ("moon", "any, pool")),
+        (("--target", "zen3", "--model", "none"), ("none", "bottom_slip")),
+        (("--target", "zen3", "--seconds", "0"), ("--seconds",)),
+        (("--target", "zen3", "--out", "/etc/passwd"), ("/etc/passwd", "cannot be written")),
+        (("--frobnicate",), ("--frobnicate",)),
+        (("frobnicate",), ("frobnicate",)),
+        (("list", "moons"), ("moons", "targets")),
+        (("explain", "paper-worst"), ("paper-worst", "paper-best")),
+        (("explain", "zen3.any.pooltool"), ("no kernel name",)),
+        (("bench", "--target", "zen9", "--json", "x.json"), ("zen9",)),
+        (("bench", "--target", "zen5", "--json", "/no/x.json"), ("zen5",)),
+    ],
+)
+def test_wrong_usage_is_one_line(arguments, parts) -> None:
+    refused(call(*arguments), *parts)
+
+
+def test_explain_refuses_an_illegal_combination_by_rule() -> None:
+    name = name_of(variant(state="reduced"))
+    refused(call("explain", name), "illegal combination (reduced-needs-products)", "speeds")
+    unknown = name.replace("mathavan2014", "x").replace("pooltool", "x")
+    refused(call("explain", unknown), "x")
+
+
+def test_explain_prints_derivation_options_and_counts() -> None:
+    text = call("explain", "paper-best").stdout
+    for part in ("Derivation", "dc_x = 7*d_x", "est1", "sqrt", "flops", "sum q"):
+        assert part in text or part == "sum q", part
+
+
+@pytest.mark.parametrize("what", ["targets", "scenes", "variants", "models"])
+def test_list(what) -> None:
+    result = call("list", what)
+    assert result.exit_code == 0 and len(result.stdout.splitlines()) > 3
+
+
+def test_bench_json_is_as_documented(tmp_path) -> None:
+    path = tmp_path / "bench.json"
+    options = ("--target", "x86-64-v2", "--scene", "pool", "--model", "pooltool", "--seconds", 0.5)
+    result = call("bench", *options, "--json", path)
+    assert result.exit_code == 0, result.output + result.stderr
+    document = json.loads(path.read_text("utf-8"))
+    assert document["schema"] == 1
+    assert {"cpu", "target", "compilers"} <= set(document["host"])
+    assert sum(k["selected"] for k in document["kernels"]) == 1
+    types = {
+        **dict.fromkeys(("name", "target", "scene", "model", "stepper", "compiler", "flags"), str),
+        **dict.fromkeys(("steps", "width"), int),
+        **dict.fromkeys(("ns_per_collision", "ratio_to_baseline", "max_rel_error"), float),
+        "ratio_ci": list,
+        "options": dict,
+        "error_against": str,
+        "selected": bool,
+    }
+    for kernel in document["kernels"]:
+        for key, kind in types.items():
+            assert isinstance(kernel[key], kind), (key, kernel[key])
+        low, high = kernel["ratio_ci"]
+        assert low <= kernel["ratio_to_baseline"] <= high
+        assert kernel["budget"] is None and kernel["error_against"] == "euler_n1000"
+
+
+def test_report_rows_are_named() -> None:
+    for name in ("paper-initial", "paper-best"):
+        assert preset_of(variant(**find_preset(name).options)) == name
+    assert preset_of(variant()) == ""
+
+
+# ---- data files ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("name = ", ("some.toml", "not valid TOML")),
+        ('name = "x"', ("some.toml", "text")),
+        ('name = "x"\ntext = "t"\ncolour = 1', ("some.toml", "colour")),
+        ('name = "x"\ntext = "t"\n[fixed]\nR = 0.0', ("some.toml", "fixed.R")),
+        ('name = "x"\ntext = "t"\n[fixed]\ne_b = "much"', ("some.toml", "e_b")),
+        ('name = "x"\ntext = "t"\n[ranges]\nu_b = [0.6, 0.1]', ("some.toml", "ranges.u_b")),
+    ],
+)
+def test_broken_scenes_are_named(text, parts) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_scene(text, "some.toml")
+    assert all(part in str(caught.value) for part in parts), caught.value
+
+
+@pytest.mark.parametrize(
+    "text", ["[a", '[a]\ntext = "t"', '[a]\narch = 3\ntext = "t"\nmarch = "m"\nmca_cpu = "c"']
+)
+def test_broken_targets_are_named(text) -> None:
+    with pytest.raises(InputError, match=r"some\.toml: "):
+        load_rows(text, "some.toml")
+
+
+# ---- check and update ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def copy(tmp_path) -> Path:
+    """A folder of its own with one target's scene."""
+    place = tmp_path / "generated" / "zen3" / "pool"
+    shutil.copytree(ROOT / "generated" / "zen3" / "pool", place)
+    assert call("--update", "--out", tmp_path / "generated").exit_code == 0
+    return place
+
+
+def test_check_finds_what_is_not_fresh_and_update_cures_it(copy) -> None:
+    root = copy.parents[1]
+    before = {p.name: p.read_bytes() for p in copy.iterdir()}
+    assert call("--check", "--out", root).exit_code == 0
+    kernels = sorted(copy.glob("*.cpp"))
+    kernels[0].write_text(kernels[0].read_text("utf-8").replace("0.5", "0.6"), encoding="utf-8")
+    (copy / "carom.h").unlink()
+    (copy / "old.cpp").write_text("int x;\n", encoding="utf-8")
+    (copy / "old").mkdir()
+    result = call("--check", "--out", root)
+    print(result.stdout)
+    assert result.exit_code == 1
+    for name, kind in ((kernels[0].name, "differs"), ("carom.h", "missing"), ("old.cpp", "stray")):
+        assert f"{name}: {kind}" in result.stdout
+    assert "old: stray" in result.stdout
+    assert "./gen --update" in result.stdout and "0.6" in result.stdout
+    assert call("--update", "--out", root).exit_code == 0
+    assert call("--check", "--out", root).exit_code == 0
+    assert {p.name: p.read_bytes() for p in copy.iterdir()} == before
+
+
+def test_check_sees_strays_beside_the_folders(copy) -> None:
+    root = copy.parents[1]
+    (root / "notes.txt").write_text("x", encoding="utf-8")
+    (copy.parent / "carrom").mkdir()
+    (copy.parent / "carrom" / "kernel.cpp").write_text("x", encoding="utf-8")
+    result = call("--check", "--out", root)
+    assert result.exit_code == 1
+    assert "notes.txt: stray" in result.stdout and "carrom: stray" in result.stdout
+    assert call("--update", "--out", root).exit_code == 0
+    assert call("--check", "--out", root).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda t: t[:-20],
+        lambda t: t.replace('"kernels"', '"kernel"'),
+        lambda t: t.replace("euler.n1000", "euler.many", 1),
+        lambda t: t.replace(".nofma.", ".somefma.").replace(".fma.", ".somefma."),
+        lambda t: t.replace('"target": "zen3"', '"target": "zen9"'),
+        lambda t: "[]",
+    ],
+)
+def test_a_broken_selection_is_one_line(change, copy) -> None:
+    path = copy / "selection.json"
+    path.write_text(change(path.read_text("utf-8")), encoding="utf-8")
+    root = copy.parents[1]
+    refused(call("--check", "--out", root), "selection.json")
+    refused(call("--update", "--out", root), "selection.json")
+    if '"zen9"' not in path.read_text("utf-8"):
+        refused(call("--target", "zen3", "--scene", "pool", "--out", root), "selection.json")
+
+
+def test_check_of_nothing_is_refused(tmp_path) -> None:
+    refused(call("--check", "--out", tmp_path), "selection.json", "./gen --target")
