@@ -35,7 +35,7 @@ from generator.verification.verdict import Verdict
 Progress = Callable[[str, int, int], None]  # what, done, of
 
 VERIFY_SEED = 20141
-VERIFY_RANDOM = 2000
+VERIFY_RANDOM = 5000
 TIMING_SEED = 7735
 TIMING_CASES = 4096
 
