@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from generator.steppers.budgets import tableaus_for
 from generator.targets.target import Target
+from generator.variants.axes import axis
 from generator.variants.presets import PAPER_PRESETS
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, Variant, make_variant
@@ -49,6 +51,28 @@ def fixed_step_candidates(
             for options in _SHORT_LIST
         ]
     return [v for v in found if broken_rule(v, target) is None or v is found[0]]
+
+
+def exact_candidates(
+    target: Target, scene: str, model: str, budget: float, compilers: Iterable[str]
+) -> list[Variant]:
+    """Legal variants of the exact steppers for a budget, in a fixed order."""
+    fma = "fma" if target.has("fma") else "nofma"
+    found = [
+        make_variant(
+            target.name,
+            scene,
+            model,
+            Stepper(tableau, budget=budget),
+            compiler=compiler,
+            fma=fma,
+            root=root,
+        )
+        for compiler in compilers
+        for tableau in tableaus_for(budget)
+        for root in axis("root").codes()
+    ]
+    return [v for v in found if broken_rule(v, target) is None]
 
 
 def baseline(

@@ -75,7 +75,7 @@ def selected(choice: Choice, baseline: Candidate) -> Selected:
         ratio = round(chosen.timing.ratio, 4)
         low, high = chosen.timing.ratio_ci
         interval = (round(low, 4), round(high, 4))
-    elif baseline.mca is not None:
+    elif baseline.mca is not None and variant.stepper.family == "euler":
         ratio = round(_cycles(chosen) / _cycles(baseline), 4)
     assert chosen.verdict is not None
     return Selected(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from generator.choice.selection import read_selection
 from generator.errors import KernelError
+from generator.steppers.budgets import tableaus_for
 from generator.targets.host import Host
 from generator.targets.target import Target
 from generator.variants.names import variant_of
@@ -14,23 +16,36 @@ from generator.variants.variant import Stepper, Variant, make_variant
 
 
 def kernel_for(
-    generated: Path, target_name: str, target: Target, scene: str, model: str, steps: int
+    generated: Path, target_name: str, target: Target, scene: str, model: str, goal: Goal
 ) -> Variant:
-    """A fixed-step kernel for a model: from selection.json, else our best-known options."""
+    """The chosen kernel for a model and goal, else the options that are safe before any timing."""
     for name in (target_name, target.name):
         selection = read_selection(generated / name / scene)
         if selection is not None and selection.resolved == target.name:
-            entry = selection.find(model, steps=steps)
+            entry = selection.find(model, steps=goal.steps, budget=goal.budget)
             if entry is not None:
                 return variant_of(entry.kernel)
-    return default_kernel(target, scene, model, Stepper("euler", steps=steps))
+    return default_kernel(target, scene, model, goal)
 
 
-def default_kernel(target: Target, scene: str, model: str, stepper: Stepper) -> Variant:
+@dataclass(frozen=True)
+class Goal:
+    """Fixed steps or an error budget: one of them."""
+
+    steps: int | None = None
+    budget: float | None = None
+
+
+def default_kernel(target: Target, scene: str, model: str, goal: Goal) -> Variant:
     """What is used before anything was timed."""
-    options = dict(find_preset("reduced-ahead").options)
-    options["fma"] = "fma" if target.has("fma") else "nofma"
-    return make_variant(target.name, scene, model, stepper, **options)
+    fma = "fma" if target.has("fma") else "nofma"
+    if goal.steps is not None:
+        options = {**find_preset("reduced-ahead").options, "fma": fma}
+        stepper = Stepper("euler", steps=goal.steps)
+        return make_variant(target.name, scene, model, stepper, **options)
+    assert goal.budget is not None
+    stepper = Stepper(tableaus_for(goal.budget)[0], budget=goal.budget)
+    return make_variant(target.name, scene, model, stepper, fma=fma, root="inv")
 
 
 def with_compiler_found(variant: Variant, compilers: dict[str, object]) -> Variant:

@@ -29,6 +29,7 @@ from generator.variants.names import name_of, source_name_of
 from generator.variants.variant import Variant
 from generator.verification.errors import EXPECTED_COLUMNS, OUTCOME_COLUMNS, STICKS, Array
 from generator.verification.euler import FLIP_SHARE, euler_verdict
+from generator.verification.exact import exact_verdict
 from generator.verification.reference import EULER_STEPS, load_reference
 from generator.verification.verdict import Verdict
 
@@ -207,7 +208,12 @@ class Workbench:
         except KernelError as error:
             broken = Verdict(False, str(error), float("nan"), float("nan"), len(cases))
             return {"oracle": asdict(broken), "pooltool": None}
-        assert steps is not None and expected.euler is not None
+        if steps is None:
+            budget = candidate.variant.stepper.budget
+            assert budget is not None
+            verdict = exact_verdict(cases, got, expected.exact, budget)
+            return {"oracle": asdict(verdict), "pooltool": None}
+        assert expected.euler is not None
         verdict = euler_verdict(cases, got, expected.euler, expected.exact, steps)
         theirs = None
         if expected.pooltool is not None:
@@ -227,6 +233,9 @@ class Workbench:
     ) -> TimingRun:
         """Time what passed, interleaved with the baseline, in one process."""
         alive = [c for c in candidates if c.verdict is not None and not c.rejected]
+        if not alive:
+            reasons = sorted({c.rejected for c in candidates if c.rejected})
+            raise KernelError(f"no candidate passed verification: {'; '.join(reasons[:3])}")
         fixed = {str(k): v for k, v in find_scene(scene).fixed.items()}
         cases = self.tool.make_cases(TIMING_SEED, TIMING_CASES, fixed=fixed).rows
         reference = load_reference()

@@ -27,13 +27,14 @@ def collide(
     batch: bool,
 ) -> None:
     """Collide the cases of a CSV file."""
-    from generator.choice.lookup import kernel_for, require_runs, with_compiler_found
+    from generator.choice.lookup import Goal, kernel_for, require_runs, with_compiler_found
     from generator.cli.case_table import outcome_text, read_case_table
     from generator.cli.session import ROOT, require_place, resolve_target, workbench
     from generator.emission.files import write_atomically
     from generator.errors import KernelError
     from generator.scenes.models import find_model
     from generator.scenes.scene import find_scene
+    from generator.steppers.budgets import plan_for
 
     if steps is not None and max_error is not None:
         raise InputError("--steps and --max-error exclude each other: name one of them")
@@ -42,21 +43,24 @@ def collide(
     table = read_case_table(cases)
     require_place(out)
     require_runs(host, resolved)
-    count = steps or 1000
-    variant = kernel_for(ROOT / "generated", target, resolved, "any", model_name, count)
+    budget = None if steps is not None else max_error or find_scene("any").max_error
+    if budget is not None:
+        plan_for(budget)
+    goal = Goal(steps, budget)
+    variant = kernel_for(ROOT / "generated", target, resolved, "any", model_name, goal)
     with workbench() as bench:
         variant = with_compiler_found(variant, bench.compilers)  # type: ignore[arg-type]
         candidate = bench.prepare([variant], resolved)[0]
         bench.compile([candidate])
         if candidate.library is None:
             raise KernelError(candidate.rejected)
-        own = variant.stepper.steps == count
+        own = variant.stepper.steps == steps
         outcomes = bench.tool.run_kernel(
             candidate.library.path,
             table.rows,
-            steps=None if own else count,
+            steps=None if own else steps,
             batch=batch,
-            timeout=60.0 + 1e-7 * count * len(table.rows),
+            timeout=60.0 + 1e-7 * (steps or 10_000) * len(table.rows),
         )
     write_atomically(out, outcome_text(table.ids, outcomes))
     good = int((outcomes[:, 12] == 0).sum())

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from generator.emission.isa import Estimate, estimate
 from generator.lowering.counts import OperationCounts
-from generator.lowering.exact_step import RATES, ExactLowering, ExactStep
+from generator.lowering.exact_step import RATES, SLIPS, ExactLowering, ExactStep
 from generator.mechanics import symbols as s
 from generator.mechanics.contact import ContactTerms
 from generator.mechanics.reduced import reduced_system
@@ -39,9 +39,18 @@ class ExactContext:
     drift_x: str
     drift_y: str
     tail_speed: float
+    tail_s_x: str
+    tail_s_y: str
     rate_names: tuple[str, ...] = RATES
+    slip_names: tuple[str, ...] = tuple(SLIPS)
     most_steps: int = MOST_STEPS
     huge: str = "1e30"
+    width: int = 1
+
+    @property
+    def scalar(self) -> bool:
+        """One lane: what rarely happens is branched on, not selected."""
+        return self.width == 1
 
     @property
     def slope_inverse(self) -> float:
@@ -77,6 +86,7 @@ def exact_context(
     fma = variant["fma"] == "fma"
     changes = reduced_system(terms, 2).changes
     k_b = float(changes[s.S2Y].coeff(s.D_Z))
+    k_f = float(changes[s.S2X].coeff(s.T2X))
     k_z = float(changes[s.C_Z].coeff(s.D_Z))
     found, newton, text = _roots(variant, target)
     return ExactContext(
@@ -93,8 +103,10 @@ def exact_context(
         after=after,
         k_x=float(changes[s.C_X].coeff(s.D_X)),
         k_z=k_z,
-        k_f=float(changes[s.S2X].coeff(s.T2X)),
-        drift_x="-k_here.d_x",
-        drift_y=f"fma(real({k_b!r}), k_here.d_z, real(1.0))",
+        k_f=k_f,
+        drift_x="-d_x",
+        drift_y=f"fma(real({k_b!r}), d_z, real(1.0))",
+        tail_s_x=f"fma(real({k_f!r}), t_tail_x, -d_tail_x)",
+        tail_s_y=f"fma(real({k_f!r}), t_tail_y, fma(real({k_b!r}), d_tail_z, dq))",
         tail_speed=0.45 * k_z / 6,
     )

@@ -54,3 +54,9 @@ def plan_for(budget: float, tableau: str | None = None) -> BudgetPlan:
         if budget >= least:
             return BudgetPlan(budget, TABLEAUS[tableau or name], control)
     raise InputError(f"--max-error {budget:g}: no stepper reaches it")
+
+
+def tableaus_for(budget: float) -> tuple[str, ...]:
+    """Names of the tableaus that are worth trying for a budget."""
+    plan_for(budget)
+    return tuple(dict.fromkeys(name for least, name, _ in _PLANS if budget >= least))[:2]

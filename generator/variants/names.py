@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 
 from generator.variants.axes import axes_of
-from generator.variants.variant import Stepper, Variant, make_variant
+from generator.variants.variant import Stepper, Variant, budget_of, make_variant
 
 _FIELD = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -62,6 +62,6 @@ def variant_of(name: str) -> Variant:
 def _stepper_of(name: str, goal: str) -> Stepper:
     if re.fullmatch(r"n[1-9][0-9]*", goal):
         return Stepper(name, steps=int(goal[1:]))
-    if re.fullmatch(r"e[0-9]+m[0-9]+", goal):
-        return Stepper(name, budget=float(goal[1:].replace("m", "e-")))
+    if re.fullmatch(r"e[0-9](p[0-9]+)?m[0-9]+", goal):
+        return Stepper(name, budget=budget_of(goal))
     raise ValueError(f"'{goal}' is no goal; expected n<steps> as n1000, or e<budget> as e1m06")

@@ -25,7 +25,20 @@ class Stepper:
         """The name field that says what is held fixed: `n1000` or `e1m06`."""
         if self.steps is not None:
             return f"n{self.steps}"
-        return "e" + f"{self.budget:.0e}".replace("e-", "m") if self.budget is not None else "free"
+        assert self.budget is not None
+        return budget_field(self.budget)
+
+
+def budget_field(budget: float) -> str:
+    """A budget as a name field: 1e-6 is `e1m06`, 2.5e-6 is `e2p5m06`."""
+    digits = next(text for n in range(17) if float(text := f"{budget:.{n}e}") == budget)
+    mantissa, exponent = digits.split("e-")
+    return f"e{mantissa.replace('.', 'p')}m{exponent}"
+
+
+def budget_of(field: str) -> float:
+    """The budget that a name field stands for."""
+    return float(field[1:].replace("p", ".").replace("m", "e-"))
 
 
 @dataclass(frozen=True)
