@@ -23,6 +23,7 @@ class StepControl:
     table_reach: float  # kappa: scale of a step near the closest approach of the table slip to zero
     window: float  # radius around zero table slip that counts as zero, in tolerance / friction
     landing: float  # error allowed to the Taylor move that ends a phase, in tolerances
+    slope_error: float  # how far the slope of the rates may be off, in their change over a step
     tail: float  # error allowed to the closed form of sticking, in tolerances
 
 
@@ -35,7 +36,7 @@ class BudgetPlan:
     control: StepControl
 
 
-_CONTROL = StepControl(0.1, 0.7, 1.4, 0.1, 0.1, 0.2)
+_CONTROL = StepControl(0.1, 0.7, 1.4, 0.1, 0.1, 0.03, 0.2)
 
 # Loosest budget first; a plan serves every budget down to its own `budget`.
 _PLANS: tuple[tuple[float, str, StepControl], ...] = (
