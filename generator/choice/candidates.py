@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from generator.steppers.budgets import tableaus_for
 from generator.targets.target import Target
 from generator.variants.axes import axis
+from generator.variants.names import name_of
 from generator.variants.presets import PAPER_PRESETS
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, Variant, make_variant
@@ -39,6 +40,8 @@ def fixed_step_candidates(
     """Legal variants of the fixed-step scheme in a fixed order, the baseline first."""
     stepper = Stepper("euler", steps=steps)
     found = list(paper_rows(target.name, scene, model, stepper).values())
+    if not target.has("fma"):
+        found = [v.with_options(fma="nofma") for v in found]
     fma = "fma" if target.has("fma") else "nofma"
     codes = tuple(compilers)
     if "gcc" not in codes:
@@ -50,7 +53,8 @@ def fixed_step_candidates(
             )
             for options in _SHORT_LIST
         ]
-    return [v for v in found if broken_rule(v, target) is None or v is found[0]]
+    legal = {name_of(v): v for v in found if broken_rule(v, target) is None}
+    return list(legal.values())
 
 
 def exact_candidates(

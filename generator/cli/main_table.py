@@ -11,7 +11,7 @@ from rich.table import Table
 from generator.choice.choose import Choice
 from generator.choice.workbench import Candidate
 from generator.targets.host import Host
-from generator.targets.target import Target
+from generator.targets.target import Target, find_target
 from generator.variants.axes import axis
 from generator.variants.names import source_name_of
 from generator.variants.presets import PAPER_PRESETS
@@ -58,8 +58,8 @@ def preset_of(variant: Variant) -> str:
         return ""
     for preset in PAPER_PRESETS:
         options = {**preset.options, "compiler": variant["compiler"]}
-        if preset.name == "paper-initial" and variant.get("fma") == "nofma":
-            options["fma"] = "nofma"  # where the target has none
+        if not find_target(variant.target).has("fma"):
+            options["fma"] = "nofma"
         same = make_variant(
             variant.target, variant.scene, variant.model, variant.stepper, **options
         )
@@ -103,7 +103,7 @@ def _titles(modelled: bool, target: Target, roomy: bool) -> list[str]:
 
 
 def _figures(candidate: Candidate, modelled: bool, roomy: bool) -> list[str]:
-    timing, verdict, mca = candidate.timing, candidate.verdict, candidate.mca
+    timing, mca = candidate.timing, candidate.mca
     row = []
     if modelled:
         row.append(f"{mca.cycles_per_iteration:.1f}" if mca else "-")

@@ -13,14 +13,16 @@ from click.testing import CliRunner, Result
 from kernels import ROOT, bench_tool, variant
 
 import generator.cli.session as session
+from generator.choice.candidates import baseline, fixed_step_candidates
 from generator.cli.main import gen
 from generator.cli.main_table import preset_of
 from generator.errors import InputError
 from generator.scenes.scene import parse_scene
-from generator.targets.target import load_rows
+from generator.targets.target import find_target, load_rows, targets
 from generator.toolchain.compilers import find_compilers
 from generator.variants.names import name_of
 from generator.variants.presets import find_preset
+from generator.variants.rules import broken_rule
 from generator.verification.errors import OUTCOME_COLUMNS, STICKS
 from generator.verification.euler import euler_verdict
 from generator.verification.reference import FOLDER, OUTCOME_NAMES, load_reference
@@ -238,6 +240,16 @@ def test_bench_json_is_as_documented(tmp_path) -> None:
         low, high = kernel["ratio_ci"]
         assert low <= kernel["ratio_to_baseline"] <= high
         assert kernel["budget"] is None and kernel["error_against"] == "euler_n1000"
+
+
+@pytest.mark.parametrize("target", targets())
+def test_every_target_has_legal_candidates(target) -> None:
+    made = fixed_step_candidates(find_target(target), "any", "pooltool", 1000, ["gcc", "clang"])
+    names = [name_of(v) for v in made]
+    assert len(set(names)) == len(names) > 20
+    assert all(broken_rule(v, find_target(target)) is None for v in made)
+    first = baseline(find_target(target), "any", "pooltool", 1000, ["gcc", "clang"])
+    assert made[0] == first and preset_of(first) == "paper-initial"
 
 
 def test_report_rows_are_named() -> None:
