@@ -1,0 +1,250 @@
+"""Runge-Kutta tableaus: order conditions by rooted trees in exact rationals, and convergence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+import pytest
+from exact_kernels import built, portable_target
+from kernels import bench_tool
+from numpy.typing import NDArray
+
+from generator.lowering.exact_step import ExactLowering
+from generator.scenes.models import find_model
+from generator.steppers.budgets import plan_for
+from generator.steppers.tableaus import TABLEAUS, Row, Tableau
+from generator.variants.rules import broken_rule
+from generator.variants.variant import Stepper, Variant, make_variant
+from generator.verification.exact import exact_verdict
+from generator.verification.reference import load_reference
+
+FAMILY = tuple(TABLEAUS.values())
+NAMES = tuple(TABLEAUS)
+Tree = tuple["Tree", ...]  # a root with its subtrees
+
+each_tableau = pytest.mark.parametrize("tableau", FAMILY, ids=NAMES)
+
+
+# -- rooted trees ----------------------------------------------------------------------------------
+
+
+@cache
+def trees(nodes: int) -> tuple[Tree, ...]:
+    """All rooted trees with so many nodes."""
+
+    def forests(left: int, largest: int, last: int) -> Iterator[Tree]:
+        if left == 0:
+            yield ()
+        for size in range(min(left, largest), 0, -1):
+            found = trees(size)
+            start = last if size == largest else len(found) - 1
+            for i in range(start, -1, -1):
+                for rest in forests(left - size, size, i):
+                    yield (found[i], *rest)
+
+    if nodes == 1:
+        return ((),)
+    return tuple(forests(nodes - 1, nodes - 1, len(trees(nodes - 1)) - 1))
+
+
+def nodes_of(tree: Tree) -> int:
+    return 1 + sum(nodes_of(branch) for branch in tree)
+
+
+def density(tree: Tree) -> int:
+    return nodes_of(tree) * math.prod(density(branch) for branch in tree)
+
+
+def elementary_weights(tree: Tree, a: tuple[Row, ...]) -> list[Fraction]:
+    """What each stage makes of a tree."""
+    product = [Fraction(1)] * len(a)
+    for branch in tree:
+        inner = elementary_weights(branch, a)
+        for i, row in enumerate(a):
+            product[i] *= sum((w * v for w, v in zip(row, inner[:i], strict=True) if w), Fraction())
+    return product
+
+
+def residual(weights: Row, a: tuple[Row, ...], nodes: int) -> Fraction:
+    """How far weights are from the conditions of one order, at most."""
+    found = []
+    for tree in trees(nodes):
+        value = sum(w * v for w, v in zip(weights, elementary_weights(tree, a), strict=True) if w)
+        found.append(abs(value - Fraction(1, density(tree))))
+    return max(found)
+
+
+def padded(tableau: Tableau) -> tuple[Row, ...]:
+    """`a` with as many weights in row i as there are stages before it."""
+    return tuple((*row, *[Fraction()] * (i - len(row))) for i, row in enumerate(tableau.a))
+
+
+def test_as_many_trees_as_there_are() -> None:
+    assert [len(trees(n)) for n in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
+    assert all(nodes_of(tree) == 7 for tree in trees(7)) and len(set(trees(7))) == 48
+
+
+# -- what a tableau must be ------------------------------------------------------------------------
+
+
+@each_tableau
+def test_shape(tableau: Tableau) -> None:
+    """First same as last: the last row is b; its stage is the end of the step."""
+    assert all(len(row) <= i for i, row in enumerate(tableau.a))
+    assert len(tableau.embedded) == len(tableau.b) == len(tableau.c) == tableau.stages
+    assert tableau.c[0] == 0 and tableau.c[-1] == 1, "the last stage is not at the end"
+    assert tableau.b[:-1] == tableau.a[-1] and tableau.b[-1] == 0
+    assert tableau.order == tableau.embedded_order + 1
+    assert tableau.source
+    rows = [row for row in tableau.a[1:] if any(row)]
+    assert len(rows) == tableau.stages - 1, "a stage at the start of the step repeats the first"
+
+
+@each_tableau
+def test_order_conditions(tableau: Tableau) -> None:
+    """Up to the order all conditions hold; at the next one some do not, or it would be higher."""
+    a = padded(tableau)
+    for weights, order in (
+        (tableau.b, tableau.order),
+        (tableau.embedded, tableau.embedded_order),
+    ):
+        for nodes in range(1, order + 1):
+            off = residual(weights, a, nodes)
+            assert off <= tableau.rounding, f"order {nodes}: off by {float(off):.2g}"
+        if order < 8:
+            assert residual(weights, a, order + 1) > 1e-8
+
+
+@each_tableau
+def test_work_is_as_exact_as_the_step(tableau: Tableau) -> None:
+    """b (1 - c) integrates twice: of q^k, 1 / ((k + 1)(k + 2)) remains."""
+    for k in range(tableau.order - 1):
+        twice = sum(w * c**k for w, c in zip(tableau.double_weights, tableau.c, strict=True))
+        assert abs(twice - Fraction(1, (k + 1) * (k + 2))) <= tableau.rounding
+
+
+# -- convergence -----------------------------------------------------------------------------------
+
+Array = NDArray[np.longdouble]
+
+
+ECCENTRICITY = np.longdouble(0.3)
+
+
+def kepler(y: Array) -> Array:
+    """Rates of an orbit of period 2 pi: a smooth problem with a known solution."""
+    return np.concatenate([y[2:], -y[:2] / np.sqrt(y[0] ** 2 + y[1] ** 2) ** 3])
+
+
+def orbit(t: float | np.longdouble) -> Array:
+    """The solution, from Kepler's equation by Newton's method."""
+    e, x = ECCENTRICITY, np.longdouble(t)
+    for _ in range(20):
+        x -= (x - e * np.sin(x) - t) / (1 - e * np.cos(x))
+    root, distance = np.sqrt(1 - e * e), 1 - e * np.cos(x)
+    place = (np.cos(x) - e, root * np.sin(x))
+    return np.array([*place, -np.sin(x) / distance, root * np.cos(x) / distance])
+
+
+def as_long_double(weight: Fraction) -> np.longdouble:
+    return np.longdouble(weight.numerator) / np.longdouble(weight.denominator)
+
+
+def stages_of(tableau: Tableau, y: Array, h: float, first: Array) -> tuple[Array, list[Array]]:
+    """End of a step and the rates at its stages; the last of them is at the end."""
+    k = [first]
+    for row in tableau.a[1:]:
+        at = y + h * sum(as_long_double(w) * r for w, r in zip(row, k, strict=False) if w)
+        k.append(kepler(at))
+    return at, k
+
+
+def error_along_an_orbit(tableau: Tableau, steps: int) -> float:
+    """The mean over the steps of three quarters of an orbit."""
+    y, h, errors = orbit(0.0), np.longdouble(4.5) / steps, []
+    rate = kepler(y)
+    for i in range(steps):
+        y, k = stages_of(tableau, y, h, rate)
+        rate = k[-1]
+        errors.append(np.linalg.norm((y - orbit((i + 1) * h)).astype(float)))
+    return float(np.mean(errors))
+
+
+@each_tableau
+def test_converges_with_its_order(tableau: Tableau) -> None:
+    steps = (50, 100, 200, 400)
+    errors = [error_along_an_orbit(tableau, n) for n in steps]
+    slopes = -np.diff(np.log2(errors))
+    shown = ", ".join(f"{slope:.2f}" for slope in slopes)
+    print(f"{tableau.name}: slopes {shown}; errors {errors[0]:.2g} to {errors[-1]:.2g}")
+    # The highest orders end in rounding; errors of small constants start with higher terms.
+    assert tableau.order - 0.3 <= slopes.max() and slopes.mean() <= tableau.order + 1
+
+
+@each_tableau
+def test_error_estimate_shrinks_with_the_embedded_order(tableau: Tableau) -> None:
+    y = orbit(0.0)
+    sizes = []
+    for h in (0.1, 0.05):
+        _, k = stages_of(tableau, y, h, kepler(y))
+        terms = (as_long_double(w) * r for w, r in zip(tableau.error, k, strict=True) if w)
+        sizes.append(float(np.abs(h * sum(terms)).max()))
+    slope = math.log2(sizes[0] / sizes[1])
+    print(f"{tableau.name}: slope of the estimate {slope:.2f}")
+    assert tableau.embedded_order + 0.5 <= slope <= tableau.embedded_order + 2
+
+
+@each_tableau
+def test_the_slope_at_the_end(tableau: Tableau) -> None:
+    """Change of the rates over the last stretch of a step, by which phases are landed on."""
+    c = tableau.c[tableau.slope_stage]
+    assert 0 < c <= Fraction(39, 40)
+    y, h = orbit(0.0), 0.02
+    end, k = stages_of(tableau, y, h, kepler(y))
+    slope = (k[-1] - k[tableau.slope_stage]) / (h * as_long_double(1 - c))
+    small = np.longdouble(1e-6)
+    truth = (kepler(end + small * k[-1]) - kepler(end - small * k[-1])) / (2 * small)
+    off = float(np.abs(slope - truth).max() / np.abs(truth).max())
+    print(f"{tableau.name}: slope from {float(c):.3f} of the step, off by {off:.2g}")
+    assert off <= 0.05
+
+
+# -- kernels ---------------------------------------------------------------------------------------
+
+
+def variant_of_tableau(tableau: Tableau, budget: float, compiler: str) -> Variant:
+    target = portable_target()
+    stepper = Stepper(tableau.name, budget=budget)
+    fma = "fma" if target.has("fma") else "nofma"
+    options = {"root": "inv", "fma": fma, "compiler": compiler}
+    made = make_variant(target.name, "any", "mathavan2014", stepper, 1, **options)
+    assert broken_rule(made, target) is None
+    return made
+
+
+@each_tableau
+def test_every_tableau_lowers(tableau: Tableau) -> None:
+    for model in ("mathavan2014", "pooltool"):
+        parts = ExactLowering(find_model(model).terms, tableau, True).parts()
+        assert len(parts.stages) == tableau.stages - 1
+
+
+def test_every_tableau_serves_some_budget() -> None:
+    """Emitted, compiled and verified: a loose budget is within reach of two orders, too."""
+    tool = bench_tool()
+    cases = np.vstack([load_reference().cases, tool.make_cases(20143, 3000, mixed=False).rows])
+    exact = tool.expect(cases, "exact", "mathavan2014")
+    pairs = [(tableau, budget) for tableau in FAMILY for budget in (1e-2, 1e-6)]
+    libraries = built([variant_of_tableau(t, budget, "gcc") for t, budget in pairs])
+    served = {}
+    for (tableau, budget), library in zip(pairs, libraries, strict=True):
+        assert plan_for(budget, tableau.name).tableau is tableau
+        verdict = exact_verdict(cases, tool.run_kernel(library, cases), exact, budget)
+        print(f"{tableau.name}: {verdict.max_rel_error:.2g} of {budget:g}")
+        served.setdefault(tableau.name, []).append("" if verdict.passed else verdict.reason)
+    failed = [f"{name}: {reasons}" for name, reasons in served.items() if all(reasons)]
+    assert not failed, "\n".join(failed)
