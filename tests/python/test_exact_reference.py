@@ -1,0 +1,101 @@
+"""The exact kernels keep their budget: against the oracle, on the reference and random cases."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from exact_kernels import (
+    BUDGETS,
+    COMPILERS,
+    MODELS,
+    Worst,
+    built,
+    exact_variant,
+    fixed_step_variant,
+    hexfloats,
+)
+from kernels import bench_tool
+from million import COUNT, prove_all, reference_chunk
+from oracle_cache import expected_of
+
+from generator.timing.bench_tool import BenchTool
+from generator.verification.errors import STICKS, approach_speed, errors_of
+from generator.verification.reference import load_reference
+
+RANDOM = 3000
+SEED = 4711
+CSV_ERROR = 1.1e-11  # the inputs of the CSV files were decimals, and their answers are to those
+
+
+@pytest.fixture(scope="module")
+def tool() -> BenchTool:
+    return bench_tool()
+
+
+@pytest.mark.parametrize("budget", [1e-3, 1e-6])
+@pytest.mark.parametrize("model", MODELS)
+def test_budget_holds(tool: BenchTool, model: str, budget: float) -> None:
+    made = tool.make_cases(SEED, RANDOM, mixed=False)
+    known = reference_chunk(tool, model)
+    random = expected_of(tool, made.rows, model)
+    libraries = built([exact_variant(model, budget, compiler) for compiler in COMPILERS])
+    failed = []
+    for compiler, library in zip(COMPILERS, libraries, strict=True):
+        worst = Worst(budget)
+        got = tool.run_kernel(library, known.cases)
+        worst.add(known.cases, known.kinds, got, known.expected)
+        csv = errors_of(known.cases, got, load_reference().exact[model]).relative.max()
+        worst.add(made.rows, made.kinds, tool.run_kernel(library, made.rows), random)
+        print(
+            f"{model} {budget:g} {compiler}: {worst.error:.3g} ({worst.kind}), on the CSV {csv:.3g}"
+        )
+        if not worst.passed:
+            failed.append(f"{compiler}: {worst.line()}")
+        assert csv <= budget + CSV_ERROR or not worst.passed
+    assert not failed, "\n".join(failed)
+
+
+def test_compilers_agree_far_below_the_budget(tool: BenchTool) -> None:
+    """Rounding differs, and may turn one decision of the step control; nothing else does."""
+    cases = tool.make_cases(SEED, RANDOM, mixed=False).rows
+    one, two = (
+        tool.run_kernel(library, cases)
+        for library in built([exact_variant(MODELS[0], 1e-6, compiler) for compiler in COMPILERS])
+    )
+    relative = errors_of(cases, one, two).relative
+    print(f"gcc against clang: median {np.median(relative):.2g}, largest {relative.max():.2g}")
+    assert np.median(relative) <= 1e-12
+    assert relative.max() <= 1e-6
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_euler_converges_to_the_exact_kernel(tool: BenchTool, model: str) -> None:
+    """First order: ten times the steps, a tenth of the distance. 1e5 steps are 1e-5 away."""
+    reference = load_reference()
+    ordinary = [i for i in reference.rows_of("") if reference.exact[model][i, STICKS] == 0]
+    names = ("rolling_vs_rest", "stun_vs_rest", "draw_vs_rest", "side_vs_rest", "both_moving")
+    rows = [[i for i in ordinary if reference.kinds[i] == name][:4] for name in names]
+    cases = reference.cases[np.concatenate(rows).astype(int)]
+    assert len(cases) == 20 and (approach_speed(cases) > 0).all()
+    exact_library, fixed_library = built([exact_variant(model, 1e-9), fixed_step_variant(model)])
+    exact = tool.run_kernel(exact_library, cases)
+    steps = (1000, 10_000, 100_000)
+    apart = [
+        errors_of(cases, tool.run_kernel(fixed_library, cases, steps=n), exact).relative
+        for n in steps
+    ]
+    print(
+        f"{model}: " + ", ".join(f"N={n}: {a.max():.2g}" for n, a in zip(steps, apart, strict=True))
+    )
+    for n, distance in zip(steps, apart, strict=True):
+        i = int(distance.argmax())
+        assert distance[i] <= 2 / n, hexfloats(cases[i])
+    assert 5 <= apart[0].mean() / apart[1].mean() <= 20
+    assert 5 <= apart[1].mean() / apart[2].mean() <= 20
+
+
+@pytest.mark.long
+def test_a_million_cases() -> None:
+    rows = prove_all(COUNT, BUDGETS, MODELS)
+    failed = [row.worst.line() for row in rows if not row.worst.passed]
+    assert not failed, "\n".join(failed)
