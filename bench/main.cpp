@@ -36,6 +36,8 @@ void add_expect(CLI::App* app, Expect* options) {
   sub->add_option("--method", options->method, "exact or euler")->required();
   sub->add_option("--model", options->model, "mathavan2014, bottom_slip or pooltool")->required();
   sub->add_option("--steps", options->steps, "steps of euler");
+  sub->add_option("--mass-ratio", options->mass_ratio, "mass of ball 1 to that of ball 2; of exact")
+      ->check(CLI::PositiveNumber);
   sub->add_option("--out", options->out, "file to write")->required();
   sub->add_option("--threads", options->threads, "threads; 0: one a core");
   sub->callback([options] { carom_bench::expect(*options); });

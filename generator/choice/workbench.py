@@ -31,6 +31,7 @@ from generator.verification.errors import EXPECTED_COLUMNS, OUTCOME_COLUMNS, STI
 from generator.verification.euler import FLIP_SHARE, euler_verdict
 from generator.verification.exact import exact_verdict
 from generator.verification.reference import EULER_STEPS, load_reference
+from generator.verification.scene_cases import cases_for_scene
 from generator.verification.verdict import Verdict
 
 Progress = Callable[[str, int, int], None]  # what, done, of
@@ -143,21 +144,23 @@ class Workbench:
     def expected(
         self, scene: str, model: str, steps: int | None, seed: int, random: int
     ) -> Expected:
-        """The reference (where the scene fixes nothing) and random cases with their answers."""
-        fixed = {str(k): v for k, v in find_scene(scene).fixed.items()}
+        """The reference and random cases, adapted to the scene, with their answers."""
+        known = find_scene(scene)
         self.progress("computing expected results", 0, 1)
-        made = self.tool.make_cases(seed, random, mixed=False, fixed=fixed)
-        cases, pooltool, reference_rows = made.rows, None, 0
-        labels = tuple(f"random {i} ({kind})" for i, kind in enumerate(made.kinds))
-        if not fixed:
-            reference = load_reference()
+        made = self.tool.make_cases(seed, random, mixed=False)
+        reference, pooltool, reference_rows = load_reference(), None, 0
+        cases = cases_for_scene(known, np.vstack([reference.cases, made.rows]), model)
+        named = zip(reference.ids, reference.kinds, strict=True)
+        adapted = "reference" if known.unrestricted else "adapted"
+        labels = (
+            *(f"{adapted} {i} ({kind})" for i, kind in named),
+            *(f"random {i} ({kind})" for i, kind in enumerate(made.kinds)),
+        )
+        if known.unrestricted:
             reference_rows = len(reference.cases)
-            cases = np.vstack([reference.cases, cases])
-            named = zip(reference.ids, reference.kinds, strict=True)
-            labels = (*(f"reference {i} ({kind})" for i, kind in named), *labels)
             if model == "pooltool" and steps == EULER_STEPS:
                 pooltool = reference.euler_pooltool
-        exact = self._oracle(cases, "exact", model, 0)
+        exact = self._oracle(cases, "exact", model, 0, known.mass_ratio)
         euler = None if steps is None else self._oracle(cases, "euler", model, steps)
         self.progress("computing expected results", 1, 1)
         self.labels = labels
@@ -166,13 +169,15 @@ class Workbench:
             cases, exact, euler, reference_rows, seed, labels, pooltool, key_of(*tables)
         )
 
-    def _oracle(self, cases: Array, method: Method, model: str, steps: int) -> Array:
-        key = key_of(self.tool.executable.name, cases, method, model, steps)
+    def _oracle(
+        self, cases: Array, method: Method, model: str, steps: int, mass_ratio: float = 1.0
+    ) -> Array:
+        key = key_of(self.tool.executable.name, cases, method, model, steps, mass_ratio)
         return self.store.kept_array(
             "expected results",
             key,
             EXPECTED_COLUMNS,
-            lambda: self.tool.expect(cases, method, model, steps or EULER_STEPS),
+            lambda: self.tool.expect(cases, method, model, steps or EULER_STEPS, mass_ratio),
         )
 
     def verify(self, candidates: Sequence[Candidate], expected: Expected) -> None:
@@ -236,10 +241,13 @@ class Workbench:
         if not alive:
             reasons = sorted({c.rejected for c in candidates if c.rejected})
             raise KernelError(f"no candidate passed verification: {'; '.join(reasons[:3])}")
-        fixed = {str(k): v for k, v in find_scene(scene).fixed.items()}
-        cases = self.tool.make_cases(TIMING_SEED, TIMING_CASES, fixed=fixed).rows
+        known = find_scene(scene)
+        model = baseline.variant.model
+        made = self.tool.make_cases(TIMING_SEED, TIMING_CASES).rows
+        cases = cases_for_scene(known, made, model)
         reference = load_reference()
-        seeds = None if fixed else reference.cases[reference.rows_of("seed_case")]
+        seed_cases = reference.cases[reference.rows_of("seed_case")]
+        seeds = seed_cases if known.unrestricted else None
         kernels = tuple(
             PlannedKernel(c.name, c.library.path, latency=True)
             for c in _unique([baseline, *alive])

@@ -81,6 +81,14 @@ def estimate(target: Target, newton: int) -> Estimate:
     return Estimate("frsqrte (2^-8)", ("return vrsqrted_f64(n);",), newton, 2.0**-8)
 
 
+def float_estimate(target: Target, newton: int) -> Estimate:
+    """The best estimate in float arithmetic that a target has."""
+    if target.has("sse2"):
+        line = "return _mm_cvtss_f32(_mm_rsqrt_ss(_mm_set_ss(n)));"
+        return Estimate("rsqrtss (1.5 * 2^-12)", (line,), newton, 1.5 * 2.0**-12)
+    return Estimate("frsqrte (2^-8)", ("return vrsqrtes_f32(n);",), newton, 2.0**-8)
+
+
 def pair_root(target: Target, method: str) -> tuple[str, ...]:
     """Lines of pair_rsqrt: `n` in, the two inverse roots out, 0 for 0."""
     newton = int(method[-1]) if method.startswith("est") else 0

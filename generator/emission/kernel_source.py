@@ -15,15 +15,19 @@ from generator.emission import isa
 from generator.emission.banner import banner, source_hash
 from generator.emission.exact_context import ExactContext, exact_context
 from generator.emission.formatting import format_source
+from generator.errors import InputError
+from generator.lowering.collision_ends import CollisionEnds, at_zero
 from generator.lowering.counts import OperationCounts
 from generator.lowering.fixed_step_loops import Loop, LoopBuilder
 from generator.lowering.printer import number
+from generator.lowering.text_counts import operations_in
+from generator.mechanics.masses import masses_of
 from generator.scenes.models import find_model
-from generator.scenes.scene import LIMITS, UNITS, Scene, find_scene
+from generator.scenes.scene import ALCIATORE, LIMITS, TABLE_FRICTION, UNITS, Scene, find_scene
 from generator.targets.target import Target, find_target
 from generator.variants.names import source_name_of
 from generator.variants.rules import require_legal
-from generator.variants.variant import Stepper, Variant, make_variant
+from generator.variants.variant import Variant
 
 MEANINGS = {
     "R": "m, radius of both balls",
@@ -54,7 +58,8 @@ class KernelSource:
     header: str
     source: str
     probe: str
-    counts: OperationCounts  # of one iteration (fixed step)
+    counts: OperationCounts  # of one iteration (fixed step), one step, or the closed form
+    text_counts: OperationCounts  # of all that stands in the source
 
 
 @dataclass
@@ -93,6 +98,11 @@ class KernelContext:
     pair_fma: str = ""
     rsqrt_call: str = "exact_rsqrt"
     exact: ExactContext | None = None
+    closed_counts: OperationCounts = field(default_factory=OperationCounts)
+    contact_slip: tuple[str, ...] = ()  # c_x and c_z, where friction depends on them
+    checks: tuple[str, ...] = ()  # conditions on the parameters
+    motions: tuple[str, ...] = ()  # velocities that are zero in the scene, as ball1[6]
+    level_pairs: tuple[tuple[str, str], ...] = ()  # velocities that are equal in the scene
     quad_lanes: tuple[dict[str, str], ...] = field(
         default=tuple({"name": n, "index": str(i)} for i, n in enumerate(("v1", "o1", "v2", "o2")))
     )
@@ -126,6 +136,35 @@ class KernelContext:
             return f"fma_pair({a}, {a}, {b} * {b})"
         return f"{a} * {a} + {b} * {b}"
 
+    @property
+    def law(self) -> tuple[str, str, str] | None:
+        """a, b, c of u_b = a + b exp(-c slip), where the kernel makes u_b."""
+        if self.scene.friction_law != "alciatore":
+            return None
+        a, b, c = (repr(value) for value in ALCIATORE)
+        return a, b, c
+
+    @property
+    def level_ends(self) -> bool:
+        """Do the spins' level components stay zero, so that they need not be written?"""
+        return self.scene.level and not self.tilt_allowed and not self.fixed_step
+
+    def projects(self, name: str) -> bool:
+        """Is a velocity of the contact read from the input, or known to be zero?"""
+        zero = {symbol.name for symbol in at_zero(self.scene)}
+        return self.vector_frame or self.tilt_allowed or name not in zero
+
+    @property
+    def spinning(self) -> tuple[int, ...]:
+        """The balls that may spin before."""
+        return tuple(ball for ball in (1, 2) if f"o{ball}z" in self.live)
+
+    @property
+    def live(self) -> tuple[str, ...]:
+        """The velocities that are not known to be zero before."""
+        names = (f"{kind}{ball}{axis}" for ball in "12" for kind in "vo" for axis in "xyz")
+        return tuple(name for name in names if self.projects(name))
+
     def tilt_term(self, value: str) -> str:
         return f" + {value} * b.f_z" if self.tilt_allowed else ""
 
@@ -150,21 +189,42 @@ def _environment() -> Environment:
     )
 
 
+def _meaning(key: str, scene: Scene) -> str:
+    if key == "M" and not scene.equal_masses:
+        return f"kg, mass of ball 2; that of ball 1 is {scene.mass_ratio:g} times as much"
+    if key == "u_b" and scene.friction_law == "alciatore":
+        return "1, friction between the balls, made from their slip"
+    return MEANINGS[key]
+
+
 def _fields(scene: Scene) -> tuple[tuple[Field, ...], tuple[Field, ...], tuple[Field, ...]]:
+    """Constants, members of Parameters, and those of them that the caller gives."""
+    values: dict[str, float] = {str(key): value for key, value in scene.fixed.items()}
+    if not scene.table_friction:
+        values |= dict.fromkeys(TABLE_FRICTION, 0.0)
     fixed = tuple(
-        Field(key, MEANINGS[key], number(sp.Float(scene.fixed[key], 17)))
+        Field(key, _meaning(key, scene), number(sp.Float(values[key], 17)))
         for key in UNITS
-        if key in scene.fixed
+        if key in values
     )
     free = []
     for key in UNITS:
-        if key in scene.fixed:
-            continue
-        low, high = scene.range_of(key)
-        check = f"in_range(p.{key}, {low!r}, {high!r})"
-        free.append(Field(key, MEANINGS[key], check=check))
+        if key not in values:
+            low, high = scene.range_of(key)
+            check = f"in_range(p.{key}, {low!r}, {high!r})"
+            free.append(Field(key, _meaning(key, scene), check=check))
     fields = tuple(f for f in free if f.name in scene.free)
     return fixed, tuple(free), fields
+
+
+def _motions(scene: Scene, lift: bool) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
+    """Inputs that a scene wants to be zero, and pairs of them that it wants to be equal."""
+    zero: list[str] = []
+    spins = {"none": (6, 7, 8), "side": (6, 7), "any": ()}[scene.spin]
+    zero += [f"ball1[{i}]" for i in spins]
+    still = range(3, 9) if scene.object_ball == "rest" else spins
+    zero += [f"ball2[{i}]" for i in still]
+    return tuple(zero), ((("ball1[5]", "ball2[5]"),) if scene.level and lift else ())
 
 
 def command_for(variant: Variant) -> str:
@@ -176,18 +236,45 @@ def _contract(variant: Variant, scene: Scene, method: tuple[str, ...]) -> tuple[
     parameters = ", ".join(
         f"{key} {LIMITS[key][0] if key not in scene.ranges else scene.ranges[key][0]:g} to "
         f"{scene.range_of(key)[1]:g}"
-        for key in UNITS
-        if key not in scene.fixed
+        for key in scene.free
+    )
+    balls = (
+        "two equal balls"
+        if scene.equal_masses
+        else f"two balls of one radius, ball 1 {scene.mass_ratio:g} times as heavy as ball 2"
     )
     lines = (
-        f"Frictional collision of two equal balls, contact model `{model.name}`: {model.text}.",
+        f"Frictional collision of {balls}, contact model `{model.name}`: {model.text}.",
         method[0],
         f"Valid: {parameters or 'every parameter is fixed'}; speeds below 1e100 m/s.",
+        *_scene_lines(scene),
         "Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.",
         *method[1:],
         "Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.",
     )
     return tuple(part for line in lines for part in textwrap.wrap(line, 96))
+
+
+def _scene_lines(scene: Scene) -> tuple[str, ...]:
+    """What a scene says of the motions, for the contract."""
+    says = []
+    if scene.object_ball == "rest":
+        says.append("ball 2 at rest")
+    if scene.spin == "none":
+        says.append("no ball spins")
+    if scene.spin == "side":
+        says.append("spin about the vertical axis alone")
+    if scene.speed is not None:
+        says.append(f"|v1 - v2| {scene.speed[0]:g} to {scene.speed[1]:g} m/s")
+    if scene.spin_speed is not None:
+        says.append(f"R |w| at most {scene.spin_speed:g} m/s")
+    if not scene.table_friction:
+        says.append("no table friction")
+    if scene.equal_table:
+        says.append("u_s1 = u_s2")
+    if scene.friction_law == "alciatore":
+        says.append("u_b by Alciatore's law from the contact slip before")
+    return (f"Scene `{scene.name}`: {'; '.join(says)}.",) if says else ()
 
 
 def _fixed_step_contract(variant: Variant, counts: OperationCounts) -> tuple[str, ...]:
@@ -201,10 +288,17 @@ def _fixed_step_contract(variant: Variant, counts: OperationCounts) -> tuple[str
 def _exact_contract(context: KernelContext) -> tuple[str, ...]:
     exact = context.exact
     assert exact is not None
+    if context.scene.level:
+        counts = context.closed_counts
+        return (
+            "Closed form, exact but for rounding: no ball is pressed onto the table.",
+            f"Operations: {counts.describe()} ({counts.flops} flops).",
+        )
+    table = "" if context.scene.table_friction else " of the contact slip alone"
     return (
-        f"Stepper: adaptive {exact.tableau.name}, order {exact.tableau.order}; error against the "
-        f"exact solution at most {exact.budget:g} of the relative speed |v1 - v2|, each of v and "
-        "R w, as far as verification has seen (docs/accuracy.md).",
+        f"Stepper: adaptive {exact.tableau.name}, order {exact.tableau.order}{table}; error "
+        f"against the exact solution at most {exact.budget:g} of the relative speed |v1 - v2|, "
+        "each of v and R w, as far as verification has seen (docs/accuracy.md).",
         f"Operations a step: {exact.counts.describe()} ({exact.counts.flops} flops), without the "
         "control of its length and the roots' own.",
     )
@@ -230,31 +324,30 @@ def _helpers(variant: Variant) -> tuple[str, ...]:
 
 
 def _exact(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:
-    """Fill in what the exact core needs; the operations of a step."""
-    terms = find_model(variant.model).terms
-    fixed = LoopBuilder(_plain_loops(variant), terms)
-    before = tuple(fixed.low.slips_of_contact())
-    after = (*fixed.low.velocities_from_sums(0), *fixed.low.lift_from_sums())
-    context.exact = exact_context(variant, terms, target, before, after)
-    context.core_template = "exact/single.j2"
+    """Fill in what the exact core needs; the operations of a step, or of the closed form."""
+    terms, scene = find_model(variant.model).terms, context.scene
+    scene.require_budget(variant.stepper.budget or 0.0)
+    context.exact = exact_context(variant, scene, terms, target)
     context.lift = terms.lift
+    context.core_template = "exact/single.j2"
+    if not scene.table_friction:
+        context.core_template = "exact/free.j2"
+    if scene.level:
+        context.core_template = "exact/level_only.j2"
+        # The closed form's own: the normal impulse, the least of two, its sign.
+        own = OperationCounts(add=1, mul=4, compare=1, select=1)
+        context.closed_counts = context.exact.level.after.counts + own
+        return context.closed_counts
     return context.exact.counts
-
-
-def _plain_loops(variant: Variant) -> Variant:
-    """The fixed-step variant whose lowering prints slips and velocities outside any loop."""
-    return make_variant(
-        variant.target,
-        variant.scene,
-        variant.model,
-        Stepper("euler", steps=1),
-        reuse="precompute",
-        fma=variant["fma"],
-    )
 
 
 def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:
     """Fill in what the fixed-step core needs; the operations of an iteration."""
+    if not context.scene.equal_masses:
+        raise InputError(
+            f"--scene {context.scene.name}: the fixed-step scheme is of equal balls; expected a "
+            "scene with mass_ratio = 1, or --max-error"
+        )
     terms = find_model(variant.model).terms
     builder = LoopBuilder(variant, terms)
     context.functions = tuple(builder.loops())
@@ -280,6 +373,11 @@ def emit(variant: Variant, prefix: str = "carom", command: str | None = None) ->
     fixed, free, fields = _fields(scene)
     begin, end = isa.pragmas(target, contract=variant["fma"] == "autofma")
     vector_frame = variant.get("simd") == "prepost"
+    terms = find_model(variant.model).terms
+    motions, level_pairs = _motions(scene, terms.lift)
+    ends = CollisionEnds(
+        terms, masses_of(scene.mass_ratio), at_zero(scene), variant["fma"] == "fma"
+    )
     name = source_name_of(variant)
     context = KernelContext(
         banner="",
@@ -304,6 +402,12 @@ def emit(variant: Variant, prefix: str = "carom", command: str | None = None) ->
         project_template=f"sections/project_{'vector' if vector_frame else 'scalar'}.j2",
         restore_template=f"sections/restore_{'vector' if vector_frame else 'scalar'}.j2",
     )
+    context.motions, context.level_pairs = motions, level_pairs
+    context.checks = tuple(f.check for f in fields)
+    if scene.equal_table:
+        context.checks += ("p.u_s1 == p.u_s2",)
+    if context.law:
+        context.contact_slip = ends.slips(("c_x", "c_z")).lines
     fixed_step = variant.stepper.family == "euler"
     if fixed_step:
         counts = _fixed_step(context, variant, target)
@@ -316,20 +420,22 @@ def emit(variant: Variant, prefix: str = "carom", command: str | None = None) ->
     template = _environment().get_template("kernel.cpp.j2")
     body = template.render(k=context, x=context.exact)
     context.banner = banner("kernel.cpp.j2", name, command, source_hash(name, command, body))
-    source = template.render(k=context, x=context.exact)
+    source = format_source(template.render(k=context, x=context.exact), f"{name}.cpp")
     return KernelSource(
         variant=variant,
         source_name=name,
         header=emit_header(scene, prefix, fields, command),
-        source=format_source(source, f"{name}.cpp"),
-        probe=emit_probe(prefix, fields, fixed_step),
+        source=source,
+        probe=emit_probe(prefix, fields, fixed_step, law=bool(context.law)),
         counts=counts,
+        text_counts=operations_in(source),
     )
 
 
 def emit_header(scene: Scene, prefix: str, fields: tuple[Field, ...], command: str) -> str:
     """carom.h for one scene: the same for all its kernels, fixed steps or not."""
     fixed_lines = [f"Fixed: {key} = {scene.fixed[key]!r} {UNITS[key]}" for key in scene.fixed]
+    fixed_lines += _scene_lines(scene)
     values = {
         "scene": scene,
         "prefix": prefix,
@@ -337,6 +443,11 @@ def emit_header(scene: Scene, prefix: str, fields: tuple[Field, ...], command: s
         "guard": f"{prefix.upper()}_H_",
         "fields": fields,
         "fixed_lines": fixed_lines,
+        "u_b_text": (
+            "u_b must be NULL (the kernel makes it)"
+            if scene.friction_law == "alciatore"
+            else "u_b may be NULL (then p decides)"
+        ),
     }
     template = _environment().get_template("carom.h.j2")
     body = template.render(banner="", **values)
@@ -344,9 +455,9 @@ def emit_header(scene: Scene, prefix: str, fields: tuple[Field, ...], command: s
     return format_source(template.render(banner=top, **values), f"{prefix}.h")
 
 
-def emit_probe(prefix: str, fields: tuple[Field, ...], fixed_step: bool) -> str:
+def emit_probe(prefix: str, fields: tuple[Field, ...], fixed_step: bool, law: bool = False) -> str:
     """The adapter through which bench/ calls any scene's kernel with all six parameters."""
     template = _environment().get_template("probe.cpp.j2")
     order = {key: index for index, key in enumerate(UNITS)}
     indexed = [(f.name, order[f.name]) for f in fields]
-    return template.render(prefix=prefix, fields=indexed, fixed_step=fixed_step)
+    return template.render(prefix=prefix, fields=indexed, fixed_step=fixed_step, law=law)

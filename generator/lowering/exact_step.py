@@ -19,14 +19,16 @@ from generator.lowering.printer import ExpressionPrinter, Fma, Plus
 from generator.lowering.statements import Assign, lower
 from generator.mechanics import symbols as s
 from generator.mechanics.contact import ContactTerms
-from generator.mechanics.reduced import reduced_system
+from generator.mechanics.masses import EQUAL, Masses, pressed_changes
 from generator.steppers.tableaus import Tableau
 
 # The slips that a step carries, in the order of struct Slips, and what they are in the mechanics.
 SLIPS: dict[str, sp.Symbol] = {"c_x": s.C_X, "c_z": s.C_Z, "s_x": s.S2X, "s_y": s.S2Y}
-RATES = (*SLIPS, "t_y")  # rates also hold that of table friction along y: it changes v_n
+CONTACT = ("c_x", "c_z")  # all that a step carries where there is no table friction
+RATES = (*SLIPS, "t_y")  # rates also hold what table friction along y adds to that of v_n
 KIND = "const Real"
 H = sp.Symbol("h", real=True)
+EMPTY = Part((), OperationCounts())
 
 
 def _symbol(name: str) -> sp.Symbol:
@@ -41,23 +43,37 @@ class ExactStep:
     stages: tuple[Part, ...]
     error: Part
     step: Part  # table friction's share of v_n and of the work
+    gains: Part  # what a step adds to the slips, where they are too coarse to be subtracted
     sums: Part  # impulse sums from the changes of the slips
     counts: OperationCounts  # of one step, without the roots and the control
 
 
 class ExactLowering:
-    """Prints the parts of a step for one contact model and tableau.
+    """Prints the parts of a step for one contact model, pair of masses and tableau.
 
     Ball 2 is the pressed one: with sigma = -1 for a pressed ball 1, the slips s, the table
-    increments t, c_z and d_z times sigma obey the same system.
+    increments t, c_z and d_z times sigma obey the same system, with the masses in each other's
+    place. Without a table only the contact slip is carried. `gains`: slips are carried in float, so
+    that what they have changed by is added up beside them.
     """
 
-    def __init__(self, terms: ContactTerms, tableau: Tableau, place_fma: bool) -> None:
+    def __init__(
+        self,
+        terms: ContactTerms,
+        tableau: Tableau,
+        place_fma: bool,
+        masses: Masses = EQUAL,
+        table: bool = True,
+        gains: bool = False,
+    ) -> None:
         self.terms = terms
         self.tableau = tableau
         self.place_fma = place_fma
+        self.table = table
+        self.gains = gains
+        self.slips = SLIPS if table else {name: SLIPS[name] for name in CONTACT}
         self.printer = ExpressionPrinter(place_fma, fma_name="fma", number_format="real({})")
-        self.changes = reduced_system(terms, 2).changes
+        self.changes = pressed_changes(terms, masses)
 
     def parts(self) -> ExactStep:
         rates = self._rates()
@@ -66,7 +82,9 @@ class ExactLowering:
         total = error.counts + step.counts
         for stage in stages:
             total = total + stage.counts
-        return ExactStep(rates, stages, error, step, self._sums(), total)
+        gains = self._gains() if self.gains else Part((), OperationCounts())
+        total = total + gains.counts
+        return ExactStep(rates, stages, error, step, gains, self._sums(), total)
 
     # -- rates --
 
@@ -75,25 +93,35 @@ class ExactLowering:
 
         p = -u_b c is contact friction times |c|, z = -u_s p_z s table friction times |c| |s|.
         """
-        p_x, p_z, z_x, z_y, i_c, i_cs = (_symbol(n) for n in "p_x p_z z_x z_y i_c i_cs".split())
-        u_b, u_s = _symbol("start.u_b"), _symbol("start.u_s")
-        slips = {name: _symbol(f"at.{name}") for name in SLIPS}
+        p_x, p_z, z_x, z_y, i_c, i_cs = (
+            _symbol(n) for n in ["p_x", "p_z", "z_x", "z_y", "i_c", "i_cs"]
+        )
+        u_b = _symbol("u_b" if self.table else "start.u_b")
+        u_s = _symbol("start.u_s")
+        slips = {name: _symbol(f"at.{name}") for name in self.slips}
         assigns = [
             Assign("p_x", -u_b * slips["c_x"], KIND),
             Assign("p_z", -u_b * slips["c_z"], KIND),
-            Assign("g", -u_s * p_z, KIND),
-            Assign("z_x", _symbol("g") * slips["s_x"], KIND),
-            Assign("z_y", _symbol("g") * slips["s_y"], KIND),
-            Assign("i_cs", i_c * _symbol("i_s"), KIND),
         ]
-        for name, slip in SLIPS.items():
+        if self.table:
+            assigns += [
+                Assign("g", -u_s * p_z, KIND),
+                Assign("z_x", _symbol("g") * slips["s_x"], KIND),
+                Assign("z_y", _symbol("g") * slips["s_y"], KIND),
+                Assign("i_cs", i_c * _symbol("i_s"), KIND),
+            ]
+        for name, slip in self.slips.items():
             change = self.changes[slip]
             contact = change.coeff(s.D_X) * p_x + change.coeff(s.D_Z) * p_z
             table = change.coeff(s.T2X) * z_x + change.coeff(s.T2Y) * z_y
-            fixed = change.coeff(s.DQ)
+            fixed = change.coeff(s.DQ) * (_symbol("pace") if self.table else 1)
             value = self._add(i_c, contact, fixed) if fixed != 0 else i_c * contact
-            assigns.append(Assign(f"r_{name}", self._add(i_cs, table, value), KIND))
-        assigns.append(Assign("r_t_y", i_cs * z_y, KIND))
+            if self.table:
+                value = self._add(i_cs, table, value)
+            assigns.append(Assign(f"r_{name}", value, KIND))
+        if self.table:
+            approach = self.changes[s.V_N].coeff(s.T2Y)
+            assigns.append(Assign("r_t_y", approach * i_cs * z_y, KIND))
         return self._part(assigns)
 
     # -- stages --
@@ -104,16 +132,37 @@ class ExactLowering:
         last = max(j for j, w in enumerate(row) if w != 0)
         reach = _symbol(f"h{i}")
         assigns = [Assign(reach.name, _rational(row[last]) * H, KIND)]
-        for name in SLIPS:
+        for name in self.slips:
             early = [(w, _rate(j, name)) for j, w in enumerate(row[:last]) if w != 0]
             start = _symbol(f"at.{name}")
             ready = self._add(H, _ordered_sum(early, self.place_fma), start) if early else start
             assigns.append(Assign(f"{name}{i}", self._add(reach, _rate(last, name), ready), KIND))
         part = self._part(assigns)
-        slips = ", ".join(f"{name}{i}" for name in SLIPS)
-        lines = (*part.lines, f"const Slips y{i} = {{{slips}}};")
-        call = f"const Rates k{i} = rates_at(start, y{i});"
-        return Part((*lines, call), part.counts + rates)
+        slips = ", ".join(f"{name}{i}" for name in self.slips)
+        pace = self._add(_symbol("cluster"), _rational(1 - 2 * self.tableau.c[i]), sp.Integer(1))
+        paced = self._part([Assign(f"pace{i}", pace, KIND)])
+        call = f"const Rates k{i} = rates_at(start, y{i}, pace{i});"
+        speed = self._speed(i) if self.table and self._counts_power(i) else EMPTY
+        state = f"const Slips y{i} = {{{slips}}};"
+        lines = (*part.lines, state, *paced.lines, call, *speed.lines)
+        return Part(lines, part.counts + rates + paced.counts + speed.counts)
+
+    def _counts_power(self, i: int) -> bool:
+        """Does the power of table friction at stage i enter the work or an interpolant?"""
+        rows = (self.tableau.b, *self.tableau.dense)
+        return i == self.tableau.stages - 1 or any(row[i] != 0 for row in rows)
+
+    def _speed(self, i: int) -> Part:
+        """Approach velocity at stage i, and the power of table friction j = v t_y there."""
+        weights = [(w, _rate(j, "t_y")) for j, w in enumerate(self.tableau.a[i]) if w != 0]
+        c = self.tableau.c
+        driven = self._add(2 * _rational(c[i]), H, _symbol("v0"))
+        bent = sum((w * (1 - 2 * c[j]) for j, w in enumerate(self.tableau.a[i])), Fraction(0))
+        if bent:
+            driven = self._add(2 * _rational(bent), _symbol("h_cluster"), driven)
+        value = self._add(H, _ordered_sum(weights, self.place_fma), driven)
+        power = _symbol(f"v{i}") * _rate(i, "t_y")
+        return self._part([Assign(f"v{i}", value, KIND), Assign(f"j{i}", power, KIND)])
 
     def _add(self, a: sp.Expr, b: sp.Expr, c: sp.Expr) -> sp.Expr:
         """a * b + c in this order."""
@@ -124,42 +173,99 @@ class ExactLowering:
     def _error(self) -> Part:
         """Difference to the embedded method per unit of h, as impulse sums."""
         assigns = []
-        for name in SLIPS:
+        for name in self.slips:
             weights = [(w, _rate(j, name)) for j, w in enumerate(self.tableau.error) if w != 0]
             assigns.append(Assign(f"e_{name}", _ordered_sum(weights, self.place_fma), KIND))
-        deltas = {name: _symbol(f"e_{name}") for name in SLIPS}
+        deltas = {name: _symbol(f"e_{name}") for name in self.slips}
         for name, form in self._solved(deltas, sp.Integer(0)).items():
             assigns.append(Assign(f"e_{name}", form, KIND))
         return self._part(assigns)
 
     def _step(self) -> Part:
-        """Integral and double integral of t_y over the step, per h and h^2."""
+        """Mean power of table friction over the step: it changes the square of v_n."""
+        if not self.table:
+            return Part((), OperationCounts())
+        weights = [(w, _symbol(f"j{j}")) for j, w in enumerate(self.tableau.b) if w != 0]
+        return self._part([Assign("j_mean", _ordered_sum(weights, self.place_fma), KIND)])
+
+    def dense(self, names: Sequence[str]) -> Part:
+        """Coefficients of the interpolant beyond the cubic, per h: r<n>_<name> for each name."""
         assigns = []
-        for label, row in (("t_mean", self.tableau.b), ("t_twice", self.tableau.double_weights)):
-            weights = [(w, _rate(j, "t_y")) for j, w in enumerate(row) if w != 0]
-            assigns.append(Assign(label, _ordered_sum(weights, self.place_fma), KIND))
+        for n, row in enumerate(self.tableau.dense):
+            for name in names:
+                rates = [
+                    (w, _symbol(f"j{i}") if name == "j" else _rate(i, name))
+                    for i, w in enumerate(row)
+                    if w != 0
+                ]
+                value = _ordered_sum(rates, self.place_fma)
+                assigns.append(Assign(f"r{n}_{name}", value, KIND))
+        return self._part(assigns)
+
+    def _gains(self) -> Part:
+        """What the step adds to each slip, made apart: a sum with the slip would round it."""
+        assigns = []
+        for name in self.slips:
+            weights = [(w, _rate(j, name)) for j, w in enumerate(self.tableau.b) if w != 0]
+            assigns.append(Assign(f"mean_{name}", _ordered_sum(weights, self.place_fma), KIND))
         return self._part(assigns)
 
     def _sums(self) -> Part:
         """Impulse sums of the whole collision from the changes of the slips."""
         assigns = [
-            Assign(f"delta_{n}", _symbol(f"at.{n}") - _symbol(f"start.{n}"), KIND) for n in SLIPS
+            Assign(f"delta_{n}", _symbol(f"at.{n}") - _symbol(f"start.{n}"), KIND)
+            for n in self.slips
+            if not self.gains
         ]
-        deltas = {name: _symbol(f"delta_{name}") for name in SLIPS}
+        prefix = "at.gain_" if self.gains else "delta_"
+        deltas = {name: _symbol(f"{prefix}{name}") for name in self.slips}
         for name, form in self._solved(deltas, _symbol("at.q")).items():
             assigns.append(Assign(name, form, KIND))
         return self._part(assigns)
 
+    def tail(self) -> Part:
+        """The stages of the step into sticking: c_z falls as (1 - t)^2."""
+        tableau, parts = self.tableau, ("x", "y", "q", "r")
+        lines, counts = [], OperationCounts()
+        for i in range(1, tableau.stages):
+            row = tableau.a[i]
+            moves = []
+            for part in parts:
+                weights = [(w, _symbol(f"w{j}.k.{part}")) for j, w in enumerate(row) if w != 0]
+                total = _ordered_sum(weights, self.place_fma)
+                moves.append(Assign(f"z{i}_{part}", Plus(_symbol("r_0"), total) if part == "r" else total, KIND))
+            block = self._part(moves)
+            values = ", ".join(f"z{i}_{part}" for part in parts)
+            left = 1 - tableau.c[i]
+            zero = "TailRates{Tail{real(0.0), real(0.0), real(0.0), real(0.0)}, real(0.0)}"
+            number = self.printer.print(_rational(left))
+            rates = f"tail_rates(start, from, z{i}, {number})" if left > 0 else zero
+            if left > 0 or i == tableau.stages - 1:
+                lines += [*block.lines, f"const Tail z{i} = {{{values}}};"]
+            if left > 0 or tableau.error[i] != 0:
+                lines.append(f"const TailRates w{i} = {rates};")
+            counts = counts + block.counts
+        error = [(w, j) for j, w in enumerate(tableau.error) if w != 0]
+        assigns = [
+            Assign(f"e_{part}", _ordered_sum([(w, _symbol(f"w{j}.k.{part}")) for w, j in error], self.place_fma), KIND)
+            for part in parts[:3]
+        ]
+        used = [j for j, w in enumerate(tableau.b) if w != 0 and tableau.c[j] < 1]
+        power = [Assign(f"p{j}", _symbol(f"w{j}.v") * _symbol(f"w{j}.k.y"), KIND) for j in used]
+        mean = _ordered_sum([(tableau.b[j], _symbol(f"p{j}")) for j in used], self.place_fma)
+        end = self._part([*assigns, *power, Assign("dj", mean, KIND)])
+        return Part((*lines, *end.lines), counts + end.counts)
+
     def _solved(self, deltas: dict[str, sp.Symbol], q: sp.Expr) -> dict[str, sp.Expr]:
         """d_x, d_z, t_x, t_y that change the slips by `deltas` while the normal impulse is q."""
-        unknowns = (s.D_X, s.D_Z, s.T2X, s.T2Y)
-        rows = [self.changes[slip] for slip in SLIPS.values()]
+        unknowns = (s.D_X, s.D_Z, s.T2X, s.T2Y) if self.table else (s.D_X, s.D_Z)
+        rows = [self.changes[slip] for slip in self.slips.values()]
         matrix = sp.Matrix([[row.coeff(u) for u in unknowns] for row in rows])
         right = sp.Matrix(
-            [deltas[n] - row.coeff(s.DQ) * q for n, row in zip(SLIPS, rows, strict=True)]
+            [deltas[n] - row.coeff(s.DQ) * q for n, row in zip(self.slips, rows, strict=True)]
         )
         solution = matrix.LUsolve(right)
-        names = ("d_x", "d_z", "t_x", "t_y")
+        names = ("d_x", "d_z", "t_x", "t_y")[: len(unknowns)]
         return {n: sp.expand(sp.cancel(v)) for n, v in zip(names, solution, strict=True)}
 
     def _part(self, assigns: list[Assign]) -> Part:

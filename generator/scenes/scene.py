@@ -1,15 +1,19 @@
-"""A scene: which parameters are fixed, what ranges and motions occur. Read from TOML, data only."""
+"""A scene: which parameters are fixed, what ranges and motions occur. Read from TOML, data only.
+
+Every key changes the emitted code; one that could not is refused with the reason.
+"""
 
 from __future__ import annotations
 
 import tomllib
 from functools import cache
 from importlib import resources
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from generator.errors import InputError
+from generator.scenes.models import MODELS
 
 PARAMETERS = ("R", "M", "u_s1", "u_s2", "u_b", "e_b")
 UNITS = {"R": "m", "M": "kg", "u_s1": "1", "u_s2": "1", "u_b": "1", "e_b": "1"}
@@ -22,42 +26,152 @@ LIMITS = {
     "u_b": (0.0, 1.0),
     "e_b": (0.0, 1.0),
 }
+TABLE_FRICTION = ("u_s1", "u_s2")
+SPEED_LIMITS = (1e-6, 1e6)  # m/s; where speeds are known to lie within, no square needs scaling
+FLOAT_BUDGET = 1e-4  # the tightest that float arithmetic is trusted with
+# Alciatore's ball-ball friction, u_b = a + b exp(-c slip), slip in m/s before the collision
+# (Alciatore, TP A.14; a fit to Marlow's measurements).
+ALCIATORE = (9.951e-3, 0.108, 1.088)
 
 Parameter = Literal["R", "M", "u_s1", "u_s2", "u_b", "e_b"]
 Bound = Annotated[float, Field(allow_inf_nan=False, ge=0)]
+Speed = Annotated[float, Field(ge=SPEED_LIMITS[0], le=SPEED_LIMITS[1])]
+
+
+def _pair(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+Range = Annotated[tuple[Bound, Bound], BeforeValidator(_pair)]
+SpeedRange = Annotated[tuple[Speed, Speed], BeforeValidator(_pair)]
 
 
 class Scene(BaseModel):
-    """One scene file. Unknown keys are refused."""
+    """One scene file. Unknown keys, other types and keys without effect are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")
-    text: str
+    text: Annotated[str, Field(pattern=r"^[ -~]+$", max_length=200)]
     fixed: dict[Parameter, Bound] = {}
-    ranges: dict[Parameter, tuple[Bound, Bound]] = {}
-    spin: Literal["any", "side", "none"] = "any"
-    object_ball: Literal["any", "rest"] = "any"
+    ranges: dict[Parameter, Range] = {}
+    speed: SpeedRange | None = None  # |v1 - v2| before, m/s
+    spin_speed: Speed | None = None  # R |w| of either ball before is at most this, m/s
+    spin: Literal["any", "side", "none"] = "any"  # side: about the vertical axis alone
+    object_ball: Literal["any", "rest"] = "any"  # ball 2
     table_friction: bool = True
-    equal_table: bool = False
+    equal_table: bool = False  # u_s1 = u_s2
     friction_law: Literal["given", "alciatore"] = "given"
-    precision: Literal["double", "float"] = "double"
-    mass_ratio: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 1.0  # ball 1 to ball 2
+    precision: Literal["double", "float"] = "double"  # of the stepper
+    mass_ratio: Annotated[float, Field(ge=0.1, le=10)] = (
+        1.0  # ball 1 to ball 2; M is that of ball 2
+    )
     model: str = "mathavan2014"
-    max_error: Annotated[float, Field(gt=0, le=0.1)] = 1e-6
+    max_error: Annotated[float, Field(ge=1e-12, le=0.1)] = 1e-6
 
     @model_validator(mode="after")
     def _consistent(self) -> Scene:
-        for key, (low, high) in self.ranges.items():
-            if low > high:
-                raise ValueError(f"ranges.{key}: the lower bound {low} is above {high}")
-            if key in self.fixed:
-                raise ValueError(f"ranges.{key}: {key} is fixed, so it has no range")
+        for check in (self._parameters, self._table, self._friction, self._motions, self._method):
+            problem = check()
+            if problem:
+                raise ValueError(problem)
+        return self
+
+    def _parameters(self) -> str:
+        if "*/" in self.text:
+            return "text: it becomes part of a C comment; expected no */ in it"
         for key, value in self.fixed.items():
             low, high = LIMITS[key]
             if not low <= value <= high:
-                raise ValueError(f"fixed.{key}: {value} is outside {low} to {high}")
-        return self
+                return f"fixed.{key}: {value:g} is out of range; expected {low:g} to {high:g}"
+        for key, (low, high) in self.ranges.items():
+            least, most = LIMITS[key]
+            if key in self.fixed:
+                return f"ranges.{key}: {key} is fixed, so it has no range; remove one of the two"
+            if not least <= low < high <= most:
+                return (
+                    f"ranges.{key}: [{low:g}, {high:g}] is no range; expected two numbers from "
+                    f"{least:g} to {most:g}, the lower one first (one value alone goes to fixed)"
+                )
+        return ""
+
+    def _table(self) -> str:
+        stated = [
+            k for part in ("fixed", "ranges") for k in TABLE_FRICTION if k in self._part(part)
+        ]
+        if not self.table_friction and stated:
+            return f"table_friction: false leaves no {stated[0]} to state; remove one of the two"
+        if not self.equal_table:
+            return ""
+        if not self.table_friction:
+            return "equal_table: there is no table friction; remove it"
+        if self.level:
+            return f"equal_table: without effect, spin = '{self.spin}' presses no ball; remove it"
+        if any(key in self.fixed for key in TABLE_FRICTION):
+            return "equal_table: without effect where u_s1 or u_s2 is fixed; fix both to one value"
+        if self.ranges.get("u_s1") != self.ranges.get("u_s2"):
+            return "equal_table: ranges of u_s1 and u_s2 differ; expected the same or none"
+        return ""
+
+    def _friction(self) -> str:
+        if self.friction_law == "alciatore":
+            for part in ("fixed", "ranges"):
+                if "u_b" in self._part(part):
+                    return f"friction_law: 'alciatore' makes u_b, so {part}.u_b has no effect"
+        return ""
+
+    def _motions(self) -> str:
+        if self.speed is not None and not self.speed[0] < self.speed[1]:
+            return f"speed: [{self.speed[0]:g}, {self.speed[1]:g}]; expected the lower speed first"
+        if self.spin_speed is not None and self.spin == "none":
+            return "spin_speed: without effect where spin = 'none'; remove it"
+        return ""
+
+    def _method(self) -> str:
+        if self.model not in [m.name for m in MODELS]:
+            names = ", ".join(m.name for m in MODELS)
+            return f"model: no model '{self.model}'; there are {names}"
+        if not self.equal_masses and not self.table_friction and not self.level:
+            return "mass_ratio: only 1 without table friction; expected table_friction = true"
+        if self.precision == "float" and self.level:
+            return f"precision: without effect, spin = '{self.spin}' has a closed form; remove it"
+        if self.precision == "float" and self.max_error < FLOAT_BUDGET:
+            return (
+                f"max_error: {self.max_error:g} is beyond float arithmetic; expected at least "
+                f"{FLOAT_BUDGET:g}, or precision = 'double'"
+            )
+        return ""
+
+    def _part(self, name: str) -> dict[Parameter, Any]:
+        return self.fixed if name == "fixed" else self.ranges
+
+    # -- what follows from the statements --
+
+    @property
+    def level(self) -> bool:
+        """Is there no vertical contact slip? Then no ball is pressed, and all is closed form."""
+        return self.spin != "any"
+
+    @property
+    def one_table(self) -> bool:
+        """Is table friction the same for both balls?"""
+        same = self.fixed.get("u_s1", 1.0) == self.fixed.get("u_s2", 2.0)
+        return self.equal_table or same
+
+    @property
+    def bounded(self) -> bool:
+        """Are all speeds known to be such that their squares are ordinary numbers?"""
+        return self.speed is not None and self.spin_speed is not None and self.object_ball == "rest"
+
+    @property
+    def equal_masses(self) -> bool:
+        return self.mass_ratio == 1
+
+    @property
+    def unrestricted(self) -> bool:
+        """Is every case of the envelope of real use a case of this scene?"""
+        plain = Scene(name=self.name, text=self.text, model=self.model, max_error=self.max_error)
+        return self == plain
 
     @property
     def free(self) -> tuple[str, ...]:
@@ -66,11 +180,31 @@ class Scene(BaseModel):
         if self.friction_law == "alciatore":
             given = tuple(key for key in given if key != "u_b")
         if not self.table_friction:
-            given = tuple(key for key in given if key not in ("u_s1", "u_s2"))
+            given = tuple(key for key in given if key not in TABLE_FRICTION)
         return given
 
     def range_of(self, key: str) -> tuple[float, float]:
         return self.ranges.get(key, LIMITS[key])  # type: ignore[call-overload]
+
+    def require_budget(self, budget: float) -> None:
+        """Raise InputError where the scene's arithmetic cannot hold an error budget."""
+        if self.precision == "float" and budget < FLOAT_BUDGET:
+            raise InputError(
+                f"--max-error {budget:g}: beyond the float arithmetic of scene {self.name}; "
+                f"expected at least {FLOAT_BUDGET:g}"
+            )
+
+
+def _problem(error: ValidationError) -> str:
+    """The first thing that is wrong, as `key ...: what`."""
+    first = error.errors()[0]
+    where = ".".join(str(part) for part in first["loc"] if part != "[key]")
+    text = first["msg"].removeprefix("Value error, ").removeprefix("Assertion failed, ")
+    if not where:
+        return f"key {text}"
+    if first["type"] == "extra_forbidden":
+        text = f"no such key; there are {', '.join(Scene.model_fields)}"
+    return f"key {where}: {text}"
 
 
 def parse_scene(text: str, source: str) -> Scene:
@@ -80,11 +214,7 @@ def parse_scene(text: str, source: str) -> Scene:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source}: not valid TOML: {error}") from None
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise InputError(f"{source}: key {where or '(scene)'}: {first['msg']}") from None
-    except TypeError as error:
-        raise InputError(f"{source}: {error}") from None
+        raise InputError(f"{source}: {_problem(error)}") from None
 
 
 @cache
@@ -92,8 +222,14 @@ def scenes() -> dict[str, Scene]:
     """The scenes that are shipped, by name."""
     folder = resources.files("generator.scenes")
     files = sorted(f.name for f in folder.iterdir() if f.name.endswith(".toml"))
-    read = [parse_scene((folder / f).read_text("utf-8"), f"generator/scenes/{f}") for f in files]
-    return {scene.name: scene for scene in read}
+    read = {}
+    for name in files:
+        path = f"generator/scenes/{name}"
+        scene = parse_scene((folder / name).read_text("utf-8"), path)
+        if f"{scene.name}.toml" != name:
+            raise InputError(f"{path}: key name: '{scene.name}'; expected the file's")
+        read[scene.name] = scene
+    return read
 
 
 def find_scene(name: str) -> Scene:

@@ -96,11 +96,23 @@ class BenchTool:
             rows = _read(out, CASE_COLUMNS, count)
             return CaseSet(rows, tuple(kinds.read_text("utf-8").split()))
 
-    def expect(self, cases: Array, method: Method, model: str, steps: int = 1000) -> Array:
-        """What must come out, in rows of 14; `steps` is for euler, which is in long double."""
+    def expect(
+        self,
+        cases: Array,
+        method: Method,
+        model: str,
+        steps: int = 1000,
+        mass_ratio: float = 1.0,
+    ) -> Array:
+        """What must come out, in rows of 14; `steps` is for euler, which is in long double.
+
+        `mass_ratio`: of ball 1 to ball 2, for exact.
+        """
         with tempfile.TemporaryDirectory() as name:
             files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
             options = ("--method", method, "--model", model, "--steps", steps)
+            if mass_ratio != 1:
+                options = (*options, "--mass-ratio", repr(mass_ratio))
             self._run("expect", *options, *files, timeout=RUN_TIMEOUT + 0.05 * len(cases))
             return _read(Path(name, "out"), EXPECTED_COLUMNS, len(cases))
 

@@ -31,7 +31,9 @@ RULES: tuple[Rule, ...] = (
     Rule(
         "estimate-needs-hardware",
         "the target has no instruction that estimates a reciprocal square root",
-        lambda v, t: (v.get("rsqrt") or v.get("root")) in ("est1", "est2") and not t.has_rsqrt_estimate,
+        lambda v, t: (
+            (v.get("rsqrt") or v.get("root")) in ("est1", "est2") and not t.has_rsqrt_estimate
+        ),
     ),
     Rule(
         "recompute-needs-full-state",
