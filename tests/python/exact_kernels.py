@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ from kernels import EULER, build_all, compiler_of
 
 from generator.targets.host import read_host
 from generator.targets.target import Target, find_target
+from generator.timing.bench_tool import ROOT
 from generator.toolchain.build import BuiltLibrary
 from generator.variants.presets import find_preset
 from generator.variants.rules import broken_rule
@@ -19,6 +21,7 @@ from generator.verification.errors import STATUS, Array, errors_of
 from generator.verification.reference import CASE_NAMES
 from generator.verification.reference import MODELS as MODELS
 
+HARD = ROOT / "tests" / "data" / "hard_cases.csv"
 BUDGETS = (1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 COMPILERS = ("gcc", "clang")
 TABLEAU = "dp54"
@@ -87,6 +90,25 @@ def hexfloats(row: Array) -> str:
     )
 
 
+def load_hard() -> tuple[tuple[str, ...], Array]:
+    """Kinds and rows of 24 of the cases that a kernel once failed; any model may meet them."""
+    with HARD.open(newline="", encoding="utf-8") as file:
+        records = list(csv.DictReader(file))
+    rows = [[float.fromhex(record[name]) for name in CASE_NAMES] for record in records]
+    return tuple(f"hard {record['kind']}" for record in records), np.array(rows)
+
+
+def keep_hard(found: Sequence[tuple[str, Array]]) -> int:
+    """Adds cases (kind, row) to the file of hard ones; how many were new."""
+    _, rows = load_hard()
+    known = {tuple(row) for row in rows}
+    new = [(kind, row) for kind, row in found if tuple(row) not in known]
+    with HARD.open("a", newline="", encoding="utf-8") as file:
+        for kind, row in new:
+            file.write(",".join([kind, *(float(value).hex() for value in row)]) + "\n")
+    return len(new)
+
+
 @dataclass
 class Worst:
     """The largest relative errors of a kernel, over all and by kind, as cases come by."""
@@ -123,6 +145,10 @@ class Worst:
     @property
     def passed(self) -> bool:
         return self.count > 0 and self.over == 0 and self.error <= self.budget
+
+    def failing(self) -> list[tuple[str, Array]]:
+        """The worst case of each kind that is over the budget."""
+        return [(kind, case) for kind, (_, over, case) in self.by_kind.items() if over]
 
     def line(self) -> str:
         """What a failure says: figure, kind and the case itself."""

@@ -19,7 +19,18 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 import numpy as np
-from exact_kernels import BUDGETS, COMPILERS, Worst, built, exact_variant, hexfloats, roots_for
+from exact_kernels import (
+    BUDGETS,
+    COMPILERS,
+    HARD,
+    Worst,
+    built,
+    exact_variant,
+    hexfloats,
+    keep_hard,
+    load_hard,
+    roots_for,
+)
 from kernels import bench_tool
 from oracle_cache import Chunk, chunks, expected_of
 
@@ -73,12 +84,19 @@ def reference_chunk(tool: BenchTool, model: str) -> Chunk:
     return Chunk(0, reference.cases, kinds, expected_of(tool, reference.cases, model))
 
 
+def hard_chunk(tool: BenchTool, model: str) -> Chunk:
+    """The cases that once were the worst."""
+    kinds, cases = load_hard()
+    return Chunk(0, cases, kinds, expected_of(tool, cases, model))
+
+
 def prove(model: str, count: int, budgets: tuple[float, ...], target: Target) -> list[Row]:
     """The errors of all kernels of a model."""
     tool = bench_tool()
     rows = rows_for(model, budgets, target)
     with ThreadPoolExecutor(2) as pool:
-        for chunk in (reference_chunk(tool, model), *chunks(tool, model, count)):
+        known = (reference_chunk(tool, model), hard_chunk(tool, model))
+        for chunk in (*known, *chunks(tool, model, count)):
             list(pool.map(lambda row, chunk=chunk: row.add(tool, chunk), rows))
     return rows
 
@@ -142,8 +160,12 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=COUNT, help="random cases a model")
     parser.add_argument("--budgets", type=float, nargs="+", default=BUDGETS)
     parser.add_argument("--models", choices=MODELS, nargs="+", default=MODELS)
+    parser.add_argument("--keep", action="store_true", help=f"add what fails to {HARD.name}")
     options = parser.parse_args()
     rows = prove_all(options.count, tuple(options.budgets), tuple(options.models))
+    if options.keep:
+        worst = [w for row in rows for w in row.worst.failing()]
+        print(f"{keep_hard(worst)} cases added to {HARD}")
     return 0 if all(row.worst.passed for row in rows) else 1
 
 

@@ -15,7 +15,7 @@ from exact_kernels import (
     hexfloats,
 )
 from kernels import bench_tool
-from million import COUNT, prove_all, reference_chunk
+from million import COUNT, hard_chunk, prove_all, reference_chunk
 from oracle_cache import expected_of
 
 from generator.timing.bench_tool import BenchTool
@@ -36,7 +36,7 @@ def tool() -> BenchTool:
 @pytest.mark.parametrize("model", MODELS)
 def test_budget_holds(tool: BenchTool, model: str, budget: float) -> None:
     made = tool.make_cases(SEED, RANDOM, mixed=False)
-    known = reference_chunk(tool, model)
+    known, hard = reference_chunk(tool, model), hard_chunk(tool, model)
     random = expected_of(tool, made.rows, model)
     libraries = built([exact_variant(model, budget, compiler) for compiler in COMPILERS])
     failed = []
@@ -45,6 +45,7 @@ def test_budget_holds(tool: BenchTool, model: str, budget: float) -> None:
         got = tool.run_kernel(library, known.cases)
         worst.add(known.cases, known.kinds, got, known.expected)
         csv = errors_of(known.cases, got, load_reference().exact[model]).relative.max()
+        worst.add(hard.cases, hard.kinds, tool.run_kernel(library, hard.cases), hard.expected)
         worst.add(made.rows, made.kinds, tool.run_kernel(library, made.rows), random)
         print(
             f"{model} {budget:g} {compiler}: {worst.error:.3g} ({worst.kind}), on the CSV {csv:.3g}"
