@@ -8,6 +8,7 @@ from generator.emission.isa import Estimate, estimate, float_estimate
 from generator.lowering.collision_ends import CollisionEnds, LevelForms, at_zero
 from generator.lowering.counts import OperationCounts
 from generator.lowering.exact_step import CONTACT, RATES, SLIPS, ExactLowering, ExactStep
+from generator.lowering.fixed_step import Part
 from generator.lowering.printer import number
 from generator.mechanics import symbols as s
 from generator.mechanics.contact import ContactTerms
@@ -50,6 +51,7 @@ class ExactContext:
     tail_t_x: str  # table friction of sticking, as it changes c_x and v_n
     tail_t_y: str
     tail_steps: tuple[str, ...]  # the stages of the step into sticking
+    extra_stages: tuple[Part, ...]  # for the interpolant alone
     dense_work: tuple[str, ...]  # coefficients of the interpolants of v_n and of the work
     dense_slips: tuple[str, ...]
     k_xt: float  # c_x' = ... - k_xt t_x
@@ -196,6 +198,7 @@ def _pressed_context(
         tail_s_y=f"fma(real({number(k_f)}), t_tail_y, "
         f"fma(real({number(k_b)}), d_tail_z, {_times(drive, 'dq')}))",
         tail_steps=lowering.tail().lines if table else (),
+        extra_stages=lowering.extra_stages() if table else (),
         dense_work=lowering.dense(("t_y", "j")).lines if table else (),
         dense_slips=lowering.dense(tuple(SLIPS)).lines if table else (),
         k_xt=-float(changes[s.C_X].coeff(s.T2X)),

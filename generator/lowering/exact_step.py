@@ -128,7 +128,7 @@ class ExactLowering:
 
     def _stage(self, i: int, rates: OperationCounts) -> Part:
         """Slips at stage i, and the rates there by `rates_at`."""
-        row = self.tableau.a[i]
+        row = self.tableau.rows[i]
         last = max(j for j, w in enumerate(row) if w != 0)
         reach = _symbol(f"h{i}")
         assigns = [Assign(reach.name, _rational(row[last]) * H, KIND)]
@@ -150,14 +150,14 @@ class ExactLowering:
     def _counts_power(self, i: int) -> bool:
         """Does the power of table friction at stage i enter the work or an interpolant?"""
         rows = (self.tableau.b, *self.tableau.dense)
-        return i == self.tableau.stages - 1 or any(row[i] != 0 for row in rows)
+        return i == self.tableau.stages - 1 or any(i < len(row) and row[i] != 0 for row in rows)
 
     def _speed(self, i: int) -> Part:
         """Approach velocity at stage i, and the power of table friction j = v t_y there."""
-        weights = [(w, _rate(j, "t_y")) for j, w in enumerate(self.tableau.a[i]) if w != 0]
+        weights = [(w, _rate(j, "t_y")) for j, w in enumerate(self.tableau.rows[i]) if w != 0]
         c = self.tableau.c
         driven = self._add(2 * _rational(c[i]), H, _symbol("v0"))
-        bent = sum((w * (1 - 2 * c[j]) for j, w in enumerate(self.tableau.a[i])), Fraction(0))
+        bent = sum((w * (1 - 2 * c[j]) for j, w in enumerate(self.tableau.rows[i])), Fraction(0))
         if bent:
             driven = self._add(2 * _rational(bent), _symbol("h_cluster"), driven)
         value = self._add(H, _ordered_sum(weights, self.place_fma), driven)
@@ -170,15 +170,33 @@ class ExactLowering:
 
     # -- end of a step --
 
+    def extra_stages(self) -> tuple[Part, ...]:
+        """The stages that only the interpolant needs."""
+        counts = self._rates().counts
+        total = len(self.tableau.rows)
+        return tuple(self._stage(i, counts) for i in range(self.tableau.stages, total))
+
     def _error(self) -> Part:
         """Difference to the embedded method per unit of h, as impulse sums."""
+        if not self.tableau.second:
+            return self._difference(self.tableau.error, "e")
+        fine, coarse = (
+            self._difference(row, f"e{order}")
+            for row, order in ((self.tableau.error, 5), (self.tableau.second_error, 3))
+        )
+        names = ("d_x", "d_z", "t_x", "t_y") if self.table else ("d_x", "d_z")
+        joint = tuple(f"{KIND} e_{n} = joint_error(e5_{n}, e3_{n});" for n in names)
+        return Part((*fine.lines, *coarse.lines, *joint), fine.counts + coarse.counts)
+
+    def _difference(self, row: Sequence[Fraction], prefix: str) -> Part:
+        """A weighted sum of the rates, as the impulse sums that would change the slips so."""
         assigns = []
         for name in self.slips:
-            weights = [(w, _rate(j, name)) for j, w in enumerate(self.tableau.error) if w != 0]
-            assigns.append(Assign(f"e_{name}", _ordered_sum(weights, self.place_fma), KIND))
-        deltas = {name: _symbol(f"e_{name}") for name in self.slips}
+            weights = [(w, _rate(j, name)) for j, w in enumerate(row) if w != 0]
+            assigns.append(Assign(f"{prefix}_{name}", _ordered_sum(weights, self.place_fma), KIND))
+        deltas = {name: _symbol(f"{prefix}_{name}") for name in self.slips}
         for name, form in self._solved(deltas, sp.Integer(0)).items():
-            assigns.append(Assign(f"e_{name}", form, KIND))
+            assigns.append(Assign(f"{prefix}_{name}", form, KIND))
         return self._part(assigns)
 
     def _step(self) -> Part:
@@ -231,30 +249,45 @@ class ExactLowering:
             row = tableau.a[i]
             moves = []
             for part in parts:
-                weights = [(w, _symbol(f"w{j}.k.{part}")) for j, w in enumerate(row) if w != 0]
+                weights = [
+                    (w, _symbol(f"w{j}.k.{part}"))
+                    for j, w in enumerate(row)
+                    if w != 0 and tableau.c[j] < 1
+                ]
                 total = _ordered_sum(weights, self.place_fma)
                 moves.append(Assign(f"z{i}_{part}", Plus(_symbol("r_0"), total) if part == "r" else total, KIND))
             block = self._part(moves)
             values = ", ".join(f"z{i}_{part}" for part in parts)
             left = 1 - tableau.c[i]
-            zero = "TailRates{Tail{real(0.0), real(0.0), real(0.0), real(0.0)}, real(0.0)}"
             number = self.printer.print(_rational(left))
-            rates = f"tail_rates(start, from, z{i}, {number})" if left > 0 else zero
+            rates = f"tail_rates(start, from, z{i}, {number})"  # all are zero at the end
             if left > 0 or i == tableau.stages - 1:
                 lines += [*block.lines, f"const Tail z{i} = {{{values}}};"]
-            if left > 0 or tableau.error[i] != 0:
+            if left > 0:
                 lines.append(f"const TailRates w{i} = {rates};")
             counts = counts + block.counts
-        error = [(w, j) for j, w in enumerate(tableau.error) if w != 0]
-        assigns = [
-            Assign(f"e_{part}", _ordered_sum([(w, _symbol(f"w{j}.k.{part}")) for w, j in error], self.place_fma), KIND)
-            for part in parts[:3]
-        ]
+        assigns = self._tail_errors(tableau.error, "e5" if tableau.second else "e", parts[:2])
+        assigns += self._tail_errors(tableau.error, "e", parts[2:3])
+        joint: tuple[str, ...] = ()
+        if tableau.second:
+            assigns += self._tail_errors(tableau.second_error, "e3", parts[:2])
+            joint = tuple(f"{KIND} e_{n} = joint_error(e5_{n}, e3_{n});" for n in parts[:2])
         used = [j for j, w in enumerate(tableau.b) if w != 0 and tableau.c[j] < 1]
         power = [Assign(f"p{j}", _symbol(f"w{j}.v") * _symbol(f"w{j}.k.y"), KIND) for j in used]
         mean = _ordered_sum([(tableau.b[j], _symbol(f"p{j}")) for j in used], self.place_fma)
         end = self._part([*assigns, *power, Assign("dj", mean, KIND)])
-        return Part((*lines, *end.lines), counts + end.counts)
+        return Part((*lines, *end.lines, *joint), counts + end.counts)
+
+    def _tail_errors(self, row: Sequence[Fraction], prefix: str, parts: Sequence[str]) -> list[Assign]:
+        used = [(w, j) for j, w in enumerate(row) if w != 0 and self.tableau.c[j] < 1]
+        return [
+            Assign(
+                f"{prefix}_{part}",
+                _ordered_sum([(w, _symbol(f"w{j}.k.{part}")) for w, j in used], self.place_fma),
+                KIND,
+            )
+            for part in parts
+        ]
 
     def _solved(self, deltas: dict[str, sp.Symbol], q: sp.Expr) -> dict[str, sp.Expr]:
         """d_x, d_z, t_x, t_y that change the slips by `deltas` while the normal impulse is q."""

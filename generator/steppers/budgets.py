@@ -19,12 +19,14 @@ class StepControl:
     """Constants of the step control, all relative to the tolerance or dimensionless."""
 
     tolerance: float  # tolerance of a step, as a share of the budget
-    contact_reach: float  # alpha: share of the contact slip that one step may remove
-    table_reach: float  # kappa: scale of a step near the closest approach of the table slip to zero
-    window: float  # radius around zero table slip that counts as zero, in tolerance / friction
-    landing: float  # error allowed to the Taylor move that ends a phase, in tolerances
-    slope_error: float  # how far the slope of the rates may be off, in their change over a step
-    tail: float  # error allowed to the closed form of sticking, in tolerances
+    contact_turn: float  # scale of steps by the turning of the contact slip
+    table_reach: float  # scale of steps by the distance of the table slip from zero
+    passage: float  # error that one passage of the table slip by zero may make, in tolerances
+    depart: float  # error that the first step from rest may make, in tolerances
+    tail: float  # weight of the error of the step into sticking
+    contact_reach: float = 0.7  # without a table: share of the contact slip that a step may remove
+    top_passage: float = 0.1  # share of `passage` where the table drives its slip away from zero
+    top_depart: float = 0.01  # share of `depart` there
 
 
 @dataclass(frozen=True)
@@ -36,12 +38,13 @@ class BudgetPlan:
     control: StepControl
 
 
-_CONTROL = StepControl(0.1, 0.7, 1.4, 0.1, 0.1, 0.03, 0.2)
-
 # Loosest budget first; a plan serves every budget down to its own `budget`.
 _PLANS: tuple[tuple[float, str, StepControl], ...] = (
-    (1e-3, "dp54", _CONTROL),
-    (TIGHTEST, "dp54", _CONTROL),
+    (1e-3, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 1000.0, 1.0, top_passage=0.3)),
+    (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=0.2)),
+    (1e-7, "dp54", StepControl(0.12, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=0.06)),
+    (1e-10, "dop853", StepControl(0.25, 3.0, 5.0, 0.05, 0.1, 10.0, top_passage=0.02)),
+    (TIGHTEST, "dop853", StepControl(0.15, 3.0, 4.0, 0.05, 0.01, 30.0, top_passage=0.03)),
 )
 
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from generator.steppers import dop853
+
 Row = tuple[Fraction, ...]
 
 NEAREST = Fraction(1, 40)  # of a step
@@ -40,11 +42,19 @@ class Tableau:
     a: tuple[Row, ...]
     embedded: Row  # weights of the embedded method, one a stage
     source: str
+    dense: tuple[Row, ...] = ()  # the interpolant's coefficients beyond the cubic of Hermite
+    extra: tuple[Row, ...] = ()  # further stages, for the interpolant alone
+    second: Row = ()  # weights of a second, coarser embedded method that steadies the estimate
     rounding: float = 0.0  # how far published roundings may be from the order conditions
 
     @property
     def stages(self) -> int:
         return len(self.a)
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """The weights of all stages, the interpolant's own included."""
+        return (*self.a, *self.extra)
 
     @property
     def b(self) -> Row:
@@ -53,12 +63,17 @@ class Tableau:
 
     @property
     def c(self) -> Row:
-        return tuple(sum(row, Fraction(0)) for row in self.a)
+        return tuple(sum(row, Fraction(0)) for row in self.rows)
 
     @property
     def error(self) -> Row:
         """Weights of the difference between the method and the embedded one."""
         return tuple(b - e for b, e in zip(self.b, self.embedded, strict=True))
+
+    @property
+    def second_error(self) -> Row:
+        """Weights of the difference between the method and the coarser embedded one."""
+        return tuple(b - e for b, e in zip(self.b, self.second, strict=True)) if self.second else ()
 
     @property
     def slope_stage(self) -> int:
@@ -128,6 +143,12 @@ DORMAND_PRINCE_54 = Tableau(
     ),
     _row("5179/57600 0 7571/16695 393/640 -92097/339200 187/2100 1/40"),
     "Dormand, Prince, J. Comput. Appl. Math. 6 (1980) 19",
+    (  # Shampine's quartic, as in Hairer, Norsett, Wanner, Solving ODEs I, DOPRI5
+        _row(
+            "-12715105075/11282082432 0 87487479700/32700410799 -10690763975/1880347072 "
+            "701980252875/199316789632 -1453857185/822651844 69997945/29380423"
+        ),
+    ),
 )
 
 TSITOURAS_54 = Tableau(
@@ -277,6 +298,28 @@ DORMAND_PRINCE_87 = Tableau(
     rounding=1e-16,
 )
 
+
+def _dop853() -> Tableau:
+    rows = tuple(_row(text) for text in dop853.STAGES[:-2])
+    ends = tuple(_row(text, "1") for text in dop853.STAGES[-2:])  # c = 1 exactly
+    weights = (*ends[-1], Fraction(0))
+    difference = (*_row(dop853.ERROR_5), Fraction(0))
+    return Tableau(
+        "dop853",
+        8,
+        5,
+        (*rows, *ends),
+        tuple(b - e for b, e in zip(weights, difference, strict=True)),
+        "Dormand, Prince; Hairer, Norsett, Wanner, Solving ODEs I, DOP853",
+        dense=tuple(_row(text) for text in dop853.DENSE),
+        extra=tuple(_row(text) for text in dop853.EXTRA),
+        second=(*_row(dop853.EMBEDDED_3), Fraction(0)),
+        rounding=1e-25,
+    )
+
+
+DOP853 = _dop853()
+
 TABLEAUS: dict[str, Tableau] = {
     t.name: t
     for t in (
@@ -288,5 +331,6 @@ TABLEAUS: dict[str, Tableau] = {
         VERNER_65,
         SHARP_VERNER_76,
         DORMAND_PRINCE_87,
+        DOP853,
     )
 }
