@@ -139,11 +139,14 @@ class ExactLowering:
             assigns.append(Assign(f"{name}{i}", self._add(reach, _rate(last, name), ready), KIND))
         part = self._part(assigns)
         slips = ", ".join(f"{name}{i}" for name in self.slips)
+        state = f"const Slips y{i} = {{{slips}}};"
+        if not self.table:
+            call = f"const Rates k{i} = rates_at(start, y{i});"
+            return Part((*part.lines, state, call), part.counts + rates)
         pace = self._add(_symbol("cluster"), _rational(1 - 2 * self.tableau.c[i]), sp.Integer(1))
         paced = self._part([Assign(f"pace{i}", pace, KIND)])
         call = f"const Rates k{i} = rates_at(start, y{i}, pace{i});"
-        speed = self._speed(i) if self.table and self._counts_power(i) else EMPTY
-        state = f"const Slips y{i} = {{{slips}}};"
+        speed = self._speed(i) if self._counts_power(i) else EMPTY
         lines = (*part.lines, state, *paced.lines, call, *speed.lines)
         return Part(lines, part.counts + rates + paced.counts + speed.counts)
 
