@@ -64,6 +64,8 @@ class ExactContext:
     most_steps: int = MOST_STEPS
     huge: str = "1e30"
     tiny_move: float = 4e-16
+    tiny_error: float = 1e-72  # far below every square of an error
+    no_friction: float = 0.0  # u_b up to this is none
     tiny_friction: float = 1e-36  # added to u_b where it is divided by; it moves nothing
     gains: bool = False  # are changes of slips added up beside them (float)?
     scaled: bool = True  # are speeds scaled (they are where they may be any)?
@@ -209,6 +211,8 @@ def _pressed_context(
         slip_names=tuple(SLIPS) if table else CONTACT,
         rate_names=RATES if table else CONTACT,
         tiny_move=1e-6 if gains else 4e-16,
+        tiny_error=1e-36 if gains else 1e-72,
+        no_friction=1e-9 if gains else 0.0,
         tiny_friction=1e-9 if gains else 1e-36,
         gains=gains,
         scaled=not scene.bounded,
