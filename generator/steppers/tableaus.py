@@ -13,8 +13,6 @@ from generator.steppers import dop853
 
 Row = tuple[Fraction, ...]
 
-NEAREST = Fraction(1, 40)  # of a step
-
 
 def _row(text: str, total: str = "") -> Row:
     """Weights; with a total, `_` comes first and is what the others leave of it.
@@ -74,21 +72,6 @@ class Tableau:
     def second_error(self) -> Row:
         """Weights of the difference between the method and the coarser embedded one."""
         return tuple(b - e for b, e in zip(self.b, self.second, strict=True)) if self.second else ()
-
-    @property
-    def slope_stage(self) -> int:
-        """The last stage before the end of the step: it and the end give the second derivative.
-
-        Not one nearer than NEAREST: what a stage is off by is divided by its distance to the end.
-        """
-        return max(
-            (i for i, c in enumerate(self.c) if 0 < c <= 1 - NEAREST), key=lambda i: self.c[i]
-        )
-
-    @property
-    def double_weights(self) -> Row:
-        """b_i (1 - c_i): integrates the integral, for the work done in a step."""
-        return tuple(b * (1 - c) for b, c in zip(self.b, self.c, strict=True))
 
 
 MIDPOINT_21 = Tableau(
