@@ -19,7 +19,7 @@ from generator.steppers.tableaus import Tableau
 from generator.targets.target import Target
 from generator.variants.variant import Variant
 
-MOST_STEPS = 400
+MOST_STEPS = 4000
 SLIPS_BEFORE = ("c_x", "c_z", "s1x", "s1y", "s2x", "s2y", "v_n")
 
 
@@ -34,6 +34,7 @@ class ExactContext:
     real: str
     lane_estimate: tuple[str, ...]
     root_newton: int | None
+    root_cubic: bool
     root_text: str
     tiny_square: str
     before: tuple[str, ...]  # slips from velocities
@@ -105,12 +106,12 @@ class ExactContext:
     @property
     def landing_turns(self) -> int:
         """Newton iterations for the end on an interpolant; each gains two to four digits."""
-        return 2 if self.budget >= 1e-7 else 4
+        return 1 if self.budget >= 1e-5 else 2 if self.budget >= 1e-7 else 4
 
     @property
     def crossing_turns(self) -> int:
         """The same for v_n = 0, where the work is stationary: half the digits are enough."""
-        return 1 if self.budget >= 1e-7 else 3
+        return 0 if self.budget >= 1e-5 else 1 if self.budget >= 1e-7 else 3
 
     @property
     def interpolant(self) -> str:
@@ -132,13 +133,18 @@ def _roots(variant: Variant, target: Target, real: str) -> tuple[Estimate, int |
     of = float_estimate if real == "float" else estimate
     if method == "inv":
         return of(target, 0), None, ""
+    rounding = 2.0**-23 if real == "float" else 2.0**-52
+    if method == "cubic":
+        found = of(target, 0)
+        error = max(2.5 * found.relative_error**3, rounding)
+        return found, 0, f": {found.text}, then one step of third order, to {error:.0e}"
     steps = int(method[-1])
     found = of(target, steps)
     error = found.relative_error
     for _ in range(steps):
         error = 1.5 * error * error
-    rounding = 2.0**-23 if real == "float" else 2.0**-52
-    return found, steps, f": {found.text}, then {steps} Newton, to {max(error, rounding):.0e}"
+    refined = f", then {steps} Newton" if steps else ""
+    return found, steps, f": {found.text}{refined}, to {max(error, rounding):.0e}"
 
 
 def _times(share: object, text: str) -> str:
@@ -184,6 +190,7 @@ def _pressed_context(
         real=real,
         lane_estimate=found.scalar,
         root_newton=newton,
+        root_cubic=variant["root"] == "cubic",
         root_text=text,
         tiny_square="1e-24" if gains else "1e-36",
         before=ends.slips(n for n in slips if n not in resting).lines,

@@ -95,8 +95,10 @@ AXES: tuple[Axis, ...] = (
         "reciprocal of a slip's length in an exact stepper",
         "exact",
         inv="sqrt and division",
+        est0="hardware estimate alone",
         est1="hardware estimate and one Newton step",
         est2="hardware estimate and two Newton steps",
+        cubic="hardware estimate and one step of third order",
     ),
     _axis(
         "fma",

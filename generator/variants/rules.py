@@ -32,7 +32,8 @@ RULES: tuple[Rule, ...] = (
         "estimate-needs-hardware",
         "the target has no instruction that estimates a reciprocal square root",
         lambda v, t: (
-            (v.get("rsqrt") or v.get("root")) in ("est1", "est2") and not t.has_rsqrt_estimate
+            (v.get("rsqrt") or v.get("root")) in ("est0", "est1", "est2", "cubic")
+            and not t.has_rsqrt_estimate
         ),
     ),
     Rule(
