@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.any.mathavan2014.euler.n1000.x1.reduced.named.factored.paper.ahead.early.nofma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene any --model mathavan2014
-// inputs:   sha256 cca8fe7c05601b4c
+// inputs:   sha256 bba828d9b1febeda
 #include "carom.h"
 
 #include <cmath>
@@ -21,6 +21,12 @@
 #pragma GCC optimize("fp-contract=off", "no-tree-slp-vectorize")
 #pragma GCC target("sse3,ssse3,sse4.1,sse4.2,popcnt")
 #endif
+
+// Short functions that are called in many places of a step: a call would cost more than they do.
+#define CAROM_INLINE inline __attribute__((always_inline))
+
+// Keeps a branch a branch: what it decides is then guessed while it is still being computed.
+#define CAROM_BRANCH() __asm__ volatile("")
 
 #ifdef CAROM_MCA
 #define CAROM_REGION_BEGIN(name) __asm__ volatile("# LLVM-MCA-BEGIN " name)

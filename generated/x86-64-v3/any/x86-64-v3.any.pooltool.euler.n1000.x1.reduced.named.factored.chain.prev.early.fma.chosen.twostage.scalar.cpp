@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.any.pooltool.euler.n1000.x1.reduced.named.factored.chain.prev.early.fma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene any --model pooltool
-// inputs:   sha256 14e8159d0159e4be
+// inputs:   sha256 b2302ca6693c7e2f
 #include "carom.h"
 
 #include <cmath>
@@ -22,6 +22,12 @@
 #pragma GCC optimize("fp-contract=off", "no-tree-slp-vectorize")
 #pragma GCC target("sse3,ssse3,sse4.1,sse4.2,popcnt,avx,avx2,fma,f16c,bmi,bmi2")
 #endif
+
+// Short functions that are called in many places of a step: a call would cost more than they do.
+#define CAROM_INLINE inline __attribute__((always_inline))
+
+// Keeps a branch a branch: what it decides is then guessed while it is still being computed.
+#define CAROM_BRANCH() __asm__ volatile("")
 
 #ifdef CAROM_MCA
 #define CAROM_REGION_BEGIN(name) __asm__ volatile("# LLVM-MCA-BEGIN " name)

@@ -3,7 +3,7 @@
 // kernel:   x86-64-v4.any.bottom_slip.euler.n1000.x1.reduced.named.factored.chain.prev.early.fma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v4 --scene any --model bottom_slip
-// inputs:   sha256 9a0a071bf0b69085
+// inputs:   sha256 130a835d448c0f82
 #include "carom.h"
 
 #include <cmath>
@@ -24,6 +24,12 @@
 #pragma GCC target( \
     "sse3,ssse3,sse4.1,sse4.2,popcnt,avx,avx2,fma,f16c,bmi,bmi2,avx512f,avx512vl,avx512dq,avx512bw,avx512cd")
 #endif
+
+// Short functions that are called in many places of a step: a call would cost more than they do.
+#define CAROM_INLINE inline __attribute__((always_inline))
+
+// Keeps a branch a branch: what it decides is then guessed while it is still being computed.
+#define CAROM_BRANCH() __asm__ volatile("")
 
 #ifdef CAROM_MCA
 #define CAROM_REGION_BEGIN(name) __asm__ volatile("# LLVM-MCA-BEGIN " name)

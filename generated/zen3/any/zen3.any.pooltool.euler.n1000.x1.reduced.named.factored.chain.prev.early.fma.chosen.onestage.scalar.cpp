@@ -3,7 +3,7 @@
 // kernel:   zen3.any.pooltool.euler.n1000.x1.reduced.named.factored.chain.prev.early.fma.chosen.onestage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene any --model pooltool
-// inputs:   sha256 2d71e8f480d21788
+// inputs:   sha256 755de3a807a61e1e
 #include "carom.h"
 
 #include <cmath>
@@ -22,6 +22,12 @@
 #pragma GCC optimize("fp-contract=off", "no-tree-slp-vectorize")
 #pragma GCC target("sse3,ssse3,sse4.1,sse4.2,popcnt,avx,avx2,fma,f16c,bmi,bmi2")
 #endif
+
+// Short functions that are called in many places of a step: a call would cost more than they do.
+#define CAROM_INLINE inline __attribute__((always_inline))
+
+// Keeps a branch a branch: what it decides is then guessed while it is still being computed.
+#define CAROM_BRANCH() __asm__ volatile("")
 
 #ifdef CAROM_MCA
 #define CAROM_REGION_BEGIN(name) __asm__ volatile("# LLVM-MCA-BEGIN " name)
