@@ -84,9 +84,9 @@ def gen(
 
 
 def _register() -> None:
-    from generator.cli import bench, collide, explain, listing
+    from generator.cli import bench, collide, explain, listing, plot
 
-    for command in (bench.bench, collide.collide, explain.explain, listing.list_rows):
+    for command in (bench.bench, collide.collide, explain.explain, listing.list_rows, plot.plot):
         gen.add_command(command)
 
 

@@ -258,7 +258,11 @@ class ExactLowering:
                     if w != 0 and tableau.c[j] < 1
                 ]
                 total = _ordered_sum(weights, self.place_fma)
-                moves.append(Assign(f"z{i}_{part}", Plus(_symbol("r_0"), total) if part == "r" else total, KIND))
+                moves.append(
+                    Assign(
+                        f"z{i}_{part}", Plus(_symbol("r_0"), total) if part == "r" else total, KIND
+                    )
+                )
             block = self._part(moves)
             values = ", ".join(f"z{i}_{part}" for part in parts)
             left = 1 - tableau.c[i]
@@ -281,7 +285,9 @@ class ExactLowering:
         end = self._part([*assigns, *power, Assign("dj", mean, KIND)])
         return Part((*lines, *end.lines, *joint), counts + end.counts)
 
-    def _tail_errors(self, row: Sequence[Fraction], prefix: str, parts: Sequence[str]) -> list[Assign]:
+    def _tail_errors(
+        self, row: Sequence[Fraction], prefix: str, parts: Sequence[str]
+    ) -> list[Assign]:
         used = [(w, j) for j, w in enumerate(row) if w != 0 and self.tableau.c[j] < 1]
         return [
             Assign(

@@ -43,8 +43,16 @@ _PLANS: tuple[tuple[float, str, StepControl], ...] = (
     (1e-3, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0, top_passage=0.01)),
     (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=0.01)),
     (1e-7, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=0.01)),
-    (1e-10, "dop853", StepControl(0.4, 3.0, 5.0, 0.05, 0.1, 10.0, top_passage=0.003, top_depart=3e-4)),
-    (TIGHTEST, "dop853", StepControl(0.15, 3.0, 4.0, 0.05, 0.01, 30.0, top_passage=0.003, top_depart=1e-5)),
+    (
+        1e-10,
+        "dop853",
+        StepControl(0.4, 3.0, 5.0, 0.05, 0.1, 10.0, top_passage=0.003, top_depart=3e-4),
+    ),
+    (
+        TIGHTEST,
+        "dop853",
+        StepControl(0.15, 3.0, 4.0, 0.05, 0.01, 30.0, top_passage=0.003, top_depart=1e-5),
+    ),
 )
 
 
