@@ -26,9 +26,9 @@ struct Expect {
   std::string cases, out;
   std::string method = "exact";  ///< or "euler", in long double
   std::string model = "mathavan2014";
-  long steps = 1000;     ///< of euler
+  long steps = 1000;      ///< of euler
   double mass_ratio = 1;  ///< ball 1 to ball 2, whose mass is the case's; of exact
-  unsigned threads = 0;  ///< 0: one a core
+  unsigned threads = 0;   ///< 0: one a core
 };
 void expect(const Expect& options);
 

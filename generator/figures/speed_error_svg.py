@@ -45,6 +45,7 @@ def draw(measured: Measured) -> str:
             fontsize=10,
             loc="left",
         )
+        axes.set_ylim(bottom=min(p.ns for p in measured.points) / 2)
         axes.legend(loc="upper right", fontsize=8)
         return svg_of(made, TITLE)
 
@@ -58,7 +59,7 @@ def _front(axes: Any, front: Sequence[Point]) -> None:
 
 def _euler(axes: Any, points: Sequence[Point]) -> None:
     x, y = [p.max_rel_error for p in points], [p.ns for p in points]
-    label = "fixed-step Euler, our fastest kernel"
+    label = "fixed-step Euler, our fastest kernel, N = 10 ... $10^6$"
     axes.plot(x, y, "o-", color=RED, ms=6, lw=1.2, label=label, zorder=4)
     easier = [p.max_slipping_error for p in points]
     style = {"color": PINK, "ms": 5.5, "lw": 1.2, "mfc": "white", "zorder": 4}
@@ -68,7 +69,7 @@ def _euler(axes: Any, points: Sequence[Point]) -> None:
         exponent = len(str(steps)) - 1
         if str(steps)[0] == "1":
             text = f"N = {steps}" if exponent < 4 else f"$N = 10^{exponent}$"
-            note = {"xytext": (8, -3), "textcoords": "offset points", "ha": "left"}
+            note = {"xytext": (7, 4), "textcoords": "offset points", "ha": "left"}
             axes.annotate(
                 text, (point.max_slipping_error, point.ns), fontsize=8, color=BLACK, **note
             )
@@ -81,7 +82,7 @@ def _exact(axes: Any, points: Sequence[Point]) -> None:
     for point in points:
         exponent = round(-math.log10(point.budget or 1.0))
         if exponent % 3 == 0 or exponent == 2:
-            note = {"xytext": (0, -13), "textcoords": "offset points", "ha": "center"}
+            note = {"xytext": (0, -17), "textcoords": "offset points", "ha": "center"}
             text, place = f"$E = 10^{{-{exponent}}}$", (point.max_rel_error, point.ns)
             axes.annotate(text, place, fontsize=8, color=BLUE, **note)
 
