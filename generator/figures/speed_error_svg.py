@@ -81,7 +81,7 @@ def _exact(axes: Any, points: Sequence[Point]) -> None:
     axes.plot(x, y, "s-", color=BLUE, ms=6.5, lw=1.2, label=label, zorder=5)
     for point in points:
         exponent = round(-math.log10(point.budget or 1.0))
-        if exponent % 3 == 0 or exponent == 2:
+        if exponent % 3 == 0:
             note = {"xytext": (0, -17), "textcoords": "offset points", "ha": "center"}
             text, place = f"$E = 10^{{-{exponent}}}$", (point.max_rel_error, point.ns)
             axes.annotate(text, place, fontsize=8, color=BLUE, **note)
