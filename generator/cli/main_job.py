@@ -28,7 +28,6 @@ from generator.targets.target import Target
 from generator.variants.names import name_of
 
 STEPS = 1000
-TIMING_SECONDS = 30.0
 
 
 def run_main_job(
