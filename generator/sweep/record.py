@@ -1,0 +1,191 @@
+"""The records of a sweep: what was tried, on what it depends, what came out. See docs/sweep.md.
+
+Field names and meanings are the stored format. A record is never changed; a new measurement is a
+new record. `SCHEMA` counts up when a field changes its meaning.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+
+SCHEMA = 1
+
+Call = Literal["scalar", "batch"]
+Reason = Literal["compile", "timeout", "crash", "wrong result", "constraint"]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Depends(_Part):
+    """All that a figure depends on. Its hash, with the rung, is the key of a trial."""
+
+    source: str  # hash of the kernel's and the probe's text, without comments and its own name
+    compiler: str  # first line of --version
+    flags: tuple[str, ...]
+    cpu: str  # the target name and the model name of the CPU that timed
+    goal: str  # of the name grammar: n1000, e1m06
+    call: Call
+    cases: str  # hash of the cases that are verified and timed on, and of what must come out
+    rules: str  # hash of the rules of verification
+    bench: str  # hash of what carom_bench is built from
+    baseline: str  # hash of source, compiler and flags of `paper-initial`
+    timing: str  # how a trial is timed: rounds and length of a block
+
+    def differences(self, other: Depends) -> tuple[str, ...]:
+        """Names of the fields in which two differ."""
+        return tuple(k for k in type(self).model_fields if getattr(self, k) != getattr(other, k))
+
+
+class Subject(_Part):
+    """The variant, as the registry knew it when the record was made."""
+
+    name: str  # full kernel name
+    target: str
+    scene: str
+    model: str
+    stepper: str
+    steps: int | None
+    budget: float | None
+    width: int  # lanes; 1 is scalar
+    options: dict[str, str]
+    call: Call  # through carom_collide, or through carom_collide_batch
+
+    @property
+    def contest(self) -> str:
+        """The variants that one choice is made among share it."""
+        goal = f"n{self.steps}" if self.steps is not None else f"e{self.budget:g}"
+        return f"{self.target}/{self.scene}/{self.model}/{goal}/{self.call}"
+
+
+class Errors(_Part):
+    """What verification found; None where a kernel ended before it gave any result."""
+
+    passed: bool
+    reason: str
+    max_abs_error: float | None  # m/s
+    max_rel_error: float | None  # of |v1 - v2| before
+    against: Literal["exact", "euler"]
+    cases: int
+    flips: int
+    worst_case: int | None  # row of the cases
+    max_flip_error: float  # m/s
+    sticking: int
+    max_sticking_rel_error: float
+
+
+class Times(_Part):
+    """What timing found, against `paper-initial` in the same rounds; medians over the rounds."""
+
+    ns: float  # a collision
+    cycles: float  # of the time stamp counter
+    ratio: float  # of time to the baseline's in the same round
+    ratio_ci: tuple[float, float]  # 95 %, from order statistics
+    control: tuple[float, float]  # A/A band: ratios that the baseline has to itself
+    baseline_ns: float
+    rounds: int
+    ratios: tuple[float, ...]  # of each round
+
+
+class Rejection(_Part):
+    """Why a variant ended without a time."""
+
+    reason: Reason
+    text: str  # one line
+
+
+class Record(_Part):
+    """What all records have. `id` is the hash of the rest, so merging stores is a union."""
+
+    schema_version: Literal[1] = SCHEMA
+    id: str = ""
+    key: str  # the same question has the same key
+    run: str  # id of the run that made it
+    made_at: str  # UTC, ISO 8601
+    machine: str  # host name
+
+    def sealed(self) -> Any:
+        """The record with its id."""
+        body = self.model_dump(mode="json", exclude={"id"})
+        return self.model_copy(update={"id": digest(body)})
+
+
+class Run(Record):
+    """One `./gen sweep`: what was asked, and the machine."""
+
+    kind: Literal["run"] = "run"
+    command: str
+    seed: int
+    cpu: str
+    target: str
+    compilers: dict[str, str]  # axis code: first line of --version
+    system: str
+    version: str  # of carom
+
+
+class Trial(Record):
+    """A variant at one rung: built, verified, timed; or rejected."""
+
+    kind: Literal["trial"] = "trial"
+    subject: Subject
+    depends: Depends | None  # None for a constraint: there is no source
+    rung: int  # 0 is the shortest timing
+    rejection: Rejection | None
+    build_seconds: float | None
+    errors: Errors | None
+    times: Times | None
+
+
+class Finalist(_Part):
+    """A kernel in a final. Ratios are to the baseline, and to the fastest, in the same rounds."""
+
+    subject: Subject
+    times: Times
+    to_fastest: float
+    to_fastest_ci: tuple[float, float]
+    distance: int  # options away from the default
+    max_rel_error: float | None
+    tie: bool  # with the fastest
+
+
+class Final(Record):
+    """The best of a contest, all interleaved in one process: this decides."""
+
+    kind: Literal["final"] = "final"
+    contest: str
+    purpose: Literal["choice", "verify-choice", "retiming"]
+    chosen: str  # name of the kernel: of those that tie, the fewest options from the default
+    fastest: str
+    finalists: tuple[Finalist, ...]  # fastest first
+    rounds: int
+    control: tuple[float, float]
+
+    @property
+    def ties(self) -> tuple[str, ...]:
+        """Names of the kernels that cannot be told from the fastest, itself included."""
+        return tuple(f.subject.name for f in self.finalists if f.tie)
+
+
+AnyRecord = Annotated[Run | Trial | Final, Field(discriminator="kind")]
+_ADAPTER: TypeAdapter[Run | Trial | Final] = TypeAdapter(AnyRecord)
+
+
+def digest(document: Any) -> str:
+    """A short hash of plain values, whatever the order of their keys."""
+    text = json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def trial_key(depends: Depends, rung: int) -> str:
+    """The key of a trial: nothing of its name, nothing of other variants."""
+    return digest([SCHEMA, rung, depends.model_dump(mode="json")])
+
+
+def parse_record(text: str) -> Run | Trial | Final:
+    """A stored record. Raises ValueError (pydantic's) where a field is missing or wrong."""
+    return _ADAPTER.validate_json(text)
