@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from rich.console import Console
 
-from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
-from generator.choice.choose import Choice, choose_by_model, choose_by_time, selected
+from generator.choice.choose import Choice, selected
 from generator.choice.folder import checked_selection, require_writable, write_folder
+from generator.choice.job import exact_job, fixed_step_job
 from generator.choice.selection import Selection
 from generator.choice.workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
     Candidate,
-    Expected,
     Workbench,
 )
 from generator.cli.main_table import LEAST_WIDTH, show_table
@@ -25,9 +23,6 @@ from generator.scenes.scene import find_scene
 from generator.steppers.budgets import plan_for
 from generator.targets.host import Host
 from generator.targets.target import Target
-from generator.variants.names import name_of
-
-STEPS = 1000
 
 
 def run_main_job(
@@ -72,64 +67,6 @@ def _goal(choice: Choice) -> str:
     if stepper.steps is not None:
         return f"fixed steps, N = {stepper.steps}"
     return f"exact to {stepper.budget:g} of the relative speed"
-
-
-Job = Callable[
-    [Workbench, Target, Host, str, str, float], tuple[list[Candidate], Candidate, Choice]
-]
-
-
-def exact_job(budget: float) -> Job:
-    """The job for an error budget: candidates, the baseline first, and the choice."""
-
-    def job(
-        bench: Workbench, target: Target, host: Host, scene: str, model: str, seconds: float
-    ) -> tuple[list[Candidate], Candidate, Choice]:
-        codes = list(bench.compilers)
-        first = baseline(target, scene, model, STEPS, codes)
-        candidates = bench.prepare(
-            [first, *exact_candidates(target, scene, model, budget, codes)], target
-        )
-        bench.compile(candidates)
-        expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
-        return _judged(bench, candidates, expected, target, host, scene, seconds)
-
-    return job
-
-
-def fixed_step_job(
-    bench: Workbench, target: Target, host: Host, scene: str, model: str, seconds: float
-) -> tuple[list[Candidate], Candidate, Choice]:
-    """Candidates of the fixed-step scheme with their figures, the baseline, and the choice."""
-    codes = list(bench.compilers)
-    variants = fixed_step_candidates(target, scene, model, STEPS, codes)
-    first = baseline(target, scene, model, STEPS, codes)
-    variants = [first, *(v for v in variants if name_of(v) != name_of(first))]
-    candidates = bench.prepare(variants, target)
-    bench.compile(candidates)
-    expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
-    return _judged(bench, candidates, expected, target, host, scene, seconds)
-
-
-def _judged(
-    bench: Workbench,
-    candidates: list[Candidate],
-    expected: Expected,
-    target: Target,
-    host: Host,
-    scene: str,
-    seconds: float,
-) -> tuple[list[Candidate], Candidate, Choice]:
-    """Verified and timed where the target's code runs here; chosen by time on the target alone."""
-    runs_here = host.runs(target)
-    is_host = runs_here and host.target.name == target.name and host.exact
-    if runs_here:
-        bench.verify(candidates, expected)
-        run = bench.time(candidates, candidates[0], scene, seconds)
-    if is_host:
-        return candidates, candidates[0], choose_by_time(candidates, run, host.target.name)
-    bench.model(candidates, target)
-    return candidates, candidates[0], choose_by_model(candidates, target.row.mca_cpu)
 
 
 def _footnotes(

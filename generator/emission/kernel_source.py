@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import textwrap
 from dataclasses import dataclass, field
-from functools import cache
-from importlib import resources
-from pathlib import Path
 
 import sympy as sp
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from generator.emission import isa
 from generator.emission.banner import banner, source_hash
+from generator.emission.environment import environment
 from generator.emission.exact_context import ExactContext, exact_context
 from generator.emission.formatting import format_source
 from generator.errors import InputError
@@ -167,26 +164,6 @@ class KernelContext:
 
     def tilt_term(self, value: str) -> str:
         return f" + {value} * b.f_z" if self.tilt_allowed else ""
-
-
-def templates_folder() -> Path:
-    """Where the templates lie: beside the package in a checkout, inside it when installed."""
-    package = Path(str(resources.files("generator")))
-    beside = package.parent / "templates"
-    return beside if beside.is_dir() else package / "templates"
-
-
-@cache
-def _environment() -> Environment:
-    return Environment(
-        loader=FileSystemLoader(str(templates_folder())),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,
-        extensions=[],
-    )
 
 
 def _meaning(key: str, scene: Scene) -> str:
@@ -417,7 +394,7 @@ def emit(variant: Variant, prefix: str = "carom", command: str | None = None) ->
         method = _exact_contract(context)
     context.contract = _contract(variant, scene, method)
     command = command or command_for(variant)
-    template = _environment().get_template("kernel.cpp.j2")
+    template = environment().get_template("kernel.cpp.j2")
     body = template.render(k=context, x=context.exact)
     context.banner = banner("kernel.cpp.j2", name, command, source_hash(name, command, body))
     source = format_source(template.render(k=context, x=context.exact), f"{name}.cpp")
@@ -449,7 +426,7 @@ def emit_header(scene: Scene, prefix: str, fields: tuple[Field, ...], command: s
             else "u_b may be NULL (then p decides)"
         ),
     }
-    template = _environment().get_template("carom.h.j2")
+    template = environment().get_template("carom.h.j2")
     body = template.render(banner="", **values)
     top = banner("carom.h.j2", f"scene {scene.name}", command, source_hash(body), comment="/*")
     return format_source(template.render(banner=top, **values), f"{prefix}.h")
@@ -457,7 +434,7 @@ def emit_header(scene: Scene, prefix: str, fields: tuple[Field, ...], command: s
 
 def emit_probe(prefix: str, fields: tuple[Field, ...], fixed_step: bool, law: bool = False) -> str:
     """The adapter through which bench/ calls any scene's kernel with all six parameters."""
-    template = _environment().get_template("probe.cpp.j2")
+    template = environment().get_template("probe.cpp.j2")
     order = {key: index for index, key in enumerate(UNITS)}
     indexed = [(f.name, order[f.name]) for f in fields]
     return template.render(prefix=prefix, fields=indexed, fixed_step=fixed_step, law=law)
