@@ -13,6 +13,7 @@ from fractions import Fraction
 
 import sympy as sp
 
+from generator.lowering.chains import unfolded
 from generator.lowering.counts import OperationCounts
 from generator.lowering.fixed_step import Part
 from generator.lowering.printer import ExpressionPrinter, Fma, Plus
@@ -289,6 +290,12 @@ class ExactLowering:
         self, row: Sequence[Fraction], prefix: str, parts: Sequence[str]
     ) -> list[Assign]:
         used = [(w, j) for j, w in enumerate(row) if w != 0 and self.tableau.c[j] < 1]
+        if not used:
+            raise ValueError(
+                f"tableau {self.tableau.name}: its error estimate weighs only stages at the end of "
+                "a step, so it sees nothing of the step into sticking, whose rates are zero there; "
+                "expected a weight for a stage before the end"
+            )
         return [
             Assign(
                 f"{prefix}_{part}",
@@ -311,7 +318,8 @@ class ExactLowering:
         return {n: sp.expand(sp.cancel(v)) for n, v in zip(names, solution, strict=True)}
 
     def _part(self, assigns: list[Assign]) -> Part:
-        block = lower(assigns, self.printer)
+        steps = [step for assign in assigns for step in unfolded(assign)]
+        block = lower(steps, self.printer)
         return Part(tuple(block.lines), block.counts)
 
 
@@ -324,7 +332,9 @@ def _rational(weight: Fraction) -> sp.Rational:
 
 
 def _ordered_sum(weights: Sequence[tuple[Fraction, sp.Symbol]], place_fma: bool) -> sp.Expr:
-    """w0 k0 + w1 k1 + ... in this order."""
+    """w0 k0 + w1 k1 + ... in this order; zero where there is nothing to add."""
+    if not weights:
+        return sp.Integer(0)
     (first, rate), *rest = weights
     total: sp.Expr = _rational(first) * rate
     for weight, rate in rest:

@@ -20,9 +20,9 @@ _KINDS = {
     "sqrt": re.compile(r"\bsqrt\("),
     "estimate": re.compile(r"\brough_\w+\(|_mm_\w*rsqrt\w*\(|\bvrsqrt\w+\("),
     "select": re.compile(r"\bselect\(|\?"),
-    "add": re.compile(rf"(?<={_OPERAND}) [+-] |[+-]= "),
-    "mul": re.compile(rf"(?<={_OPERAND}) \* (?=[\w(-])"),
-    "div": re.compile(rf"(?<={_OPERAND}) / "),
+    "add": re.compile(rf"(?<={_OPERAND})\s[+-]\s|[+-]= "),
+    "mul": re.compile(rf"(?<={_OPERAND})\s\*\s(?=[\w(-])"),
+    "div": re.compile(rf"(?<={_OPERAND})\s/\s"),
     "compare": re.compile(r" (?:[<>]=?|==|!=) |\bf?(?:max|min)\(|\bin_range\(p"),
 }
 
