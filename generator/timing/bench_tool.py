@@ -168,6 +168,11 @@ def source_hash(root: Path = ROOT) -> str:
     return digest.hexdigest()[:16]
 
 
+def _place_hash(root: Path) -> str:
+    """Of a checkout's path: CMake ties a build folder to one, and a cache may serve several."""
+    return hashlib.sha256(os.fsencode(root.resolve())).hexdigest()[:16]
+
+
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
     with path.open("w", encoding="utf-8") as file:
@@ -201,7 +206,7 @@ def build_bench_tool(cache: Path, root: Path = ROOT) -> BenchTool:
     kept = cache / f"carom_bench-{source_hash(root)}"
     with _locked(cache / "carom_bench.lock"):
         if not kept.exists():
-            built = _build(root, cache / "carom_bench-build")
+            built = _build(root, cache / f"carom_bench-build-{_place_hash(root)}")
             fresh = cache / f"carom_bench.{os.getpid()}.tmp"
             shutil.copy2(built, fresh)
             fresh.replace(kept)

@@ -58,6 +58,27 @@ def test_build_is_cached(tool: BenchTool) -> None:
     assert build_bench_tool(tool.executable.parent) == tool
 
 
+def checkout(folder: Path, says: str) -> Path:
+    """What build_bench_tool needs of a checkout, with a program that only says something."""
+    (folder / "bench").mkdir(parents=True)
+    lines = ["cmake_minimum_required(VERSION 3.20)", "project(t CXX)", "add_subdirectory(bench)"]
+    (folder / "CMakeLists.txt").write_text("\n".join(lines), encoding="utf-8")
+    (folder / "bench" / "CMakeLists.txt").write_text("add_executable(carom_bench m.cpp)\n")
+    source = f'#include <cstdio>\nint main() {{ std::puts("{says}"); }}\n'
+    (folder / "bench" / "m.cpp").write_text(source, encoding="utf-8")
+    return folder
+
+
+def test_checkouts_share_a_cache(tmp_path: Path) -> None:
+    """CAROM_CACHE may be the same for several; each gets the bench of its own sources."""
+    says = ("one", "two", "one")
+    roots = [checkout(tmp_path / f"{i}", text) for i, text in enumerate(says)]
+    built = [build_bench_tool(tmp_path / "cache", root).executable for root in roots]
+    told = [subprocess.run([p], capture_output=True, text=True, check=True).stdout for p in built]
+    assert tuple(text.strip() for text in told) == says
+    assert built[0] == built[2] != built[1]  # the same sources are built once
+
+
 def test_cases_are_seeded_and_parameters_fixed(tool: BenchTool) -> None:
     plain = tool.make_cases(7, 300)
     fixed = tool.make_cases(7, 300, fixed={"R": 0.028575, "e_b": 0.95})
