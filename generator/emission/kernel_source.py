@@ -47,6 +47,31 @@ class Field:
 
 
 @dataclass(frozen=True)
+class Naming:
+    """What a kernel's types and functions are called; two kernels in one program differ in it."""
+
+    prefix: str = "carom"  # of types, statuses and the header
+    unit: str = ""  # one of several kernels behind a dispatcher: part of its functions' names
+    enclosing: str = ""  # a namespace around everything, or empty: then only an unnamed one
+
+    @property
+    def symbol(self) -> str:
+        """What the names of the functions begin with."""
+        return f"{self.prefix}_{self.unit}" if self.unit else self.prefix
+
+
+@dataclass(frozen=True)
+class HeaderUse:
+    """What a header says beyond the scene. `fixed_step` None: it serves both kinds of kernels."""
+
+    fixed_step: bool | None = None
+    dispatched: bool = False  # are there several kernels behind it?
+
+
+_PLAIN, _ANY_USE = Naming(), HeaderUse()
+
+
+@dataclass(frozen=True)
 class KernelSource:
     """The files of one kernel, by name, and what is known of it."""
 
@@ -66,7 +91,9 @@ class KernelContext:
     banner: str
     name: str
     header: str
-    prefix: str
+    prefix: str  # of the types and statuses in the header
+    symbol: str  # of the functions: the prefix, and where there are several units the unit
+    enclosing: str  # the namespace around everything, or empty
     upper: str
     target: Target
     scene: Scene
@@ -343,7 +370,7 @@ def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> Ope
     return next((f for f in context.functions if f.pressed), context.functions[0]).counts()
 
 
-def emit(variant: Variant, prefix: str = "carom", command: str | None = None) -> KernelSource:
+def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) -> KernelSource:
     """The text of a kernel, its header and its probe. ValueError where the variant is illegal."""
     target, scene = find_target(variant.target), find_scene(variant.scene)
     require_legal(variant, target)
@@ -359,9 +386,11 @@ def emit(variant: Variant, prefix: str = "carom", command: str | None = None) ->
     context = KernelContext(
         banner="",
         name=name,
-        header=f"{prefix}.h",
-        prefix=prefix,
-        upper=prefix.upper(),
+        header=f"{naming.prefix}.h",
+        prefix=naming.prefix,
+        symbol=naming.symbol,
+        enclosing=naming.enclosing,
+        upper=naming.prefix.upper(),
         target=target,
         scene=scene,
         variant=variant,
@@ -401,16 +430,17 @@ def emit(variant: Variant, prefix: str = "carom", command: str | None = None) ->
     return KernelSource(
         variant=variant,
         source_name=name,
-        header=emit_header(scene, prefix, fields, command),
+        header=emit_header(scene, naming.prefix, command),
         source=source,
-        probe=emit_probe(prefix, fields, fixed_step, law=bool(context.law)),
+        probe=emit_probe(naming.prefix, fields, fixed_step, law=bool(context.law)),
         counts=counts,
         text_counts=operations_in(source),
     )
 
 
-def emit_header(scene: Scene, prefix: str, fields: tuple[Field, ...], command: str) -> str:
+def emit_header(scene: Scene, prefix: str, command: str, use: HeaderUse = _ANY_USE) -> str:
     """carom.h for one scene: the same for all its kernels, fixed steps or not."""
+    _, _, fields = _fields(scene)
     fixed_lines = [f"Fixed: {key} = {scene.fixed[key]!r} {UNITS[key]}" for key in scene.fixed]
     fixed_lines += _scene_lines(scene)
     values = {
@@ -420,6 +450,7 @@ def emit_header(scene: Scene, prefix: str, fields: tuple[Field, ...], command: s
         "guard": f"{prefix.upper()}_H_",
         "fields": fields,
         "fixed_lines": fixed_lines,
+        "use": use,
         "u_b_text": (
             "u_b must be NULL (the kernel makes it)"
             if scene.friction_law == "alciatore"
