@@ -1,0 +1,50 @@
+"""Instruction sets that batches run on: one row and one file of templates/lanes each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from generator.targets.target import Target
+
+
+@dataclass(frozen=True)
+class InstructionSet:
+    """Lanes of one instruction set; `name` is its file in templates/lanes."""
+
+    name: str
+    lanes: int  # doubles in a vector
+    arch: str  # the empty one is any
+    needs: frozenset[str]
+    text: str
+
+    def on(self, target: Target) -> bool:
+        """Does the target have it?"""
+        return self.arch in ("", target.row.arch) and self.needs <= target.features
+
+
+INSTRUCTION_SETS: tuple[InstructionSet, ...] = (
+    InstructionSet("scalar", 1, "", frozenset(), "one double"),
+    InstructionSet("sse2", 2, "x86_64", frozenset({"sse2"}), "SSE2"),
+    InstructionSet("avx2", 4, "x86_64", frozenset({"avx2"}), "AVX2"),
+    InstructionSet("avx512", 8, "x86_64", frozenset({"avx512f", "avx512dq"}), "AVX-512"),
+    InstructionSet("neon", 2, "aarch64", frozenset({"neon"}), "NEON"),
+)
+
+
+def sets_of(target: Target) -> tuple[InstructionSet, ...]:
+    """The instruction sets that a target has, the narrowest first."""
+    return tuple(sorted((s for s in INSTRUCTION_SETS if s.on(target)), key=lambda s: s.lanes))
+
+
+def widths_of(target: Target) -> tuple[int, ...]:
+    """Numbers of lanes that a target has vectors for, 1 among them."""
+    return tuple(s.lanes for s in sets_of(target))
+
+
+def set_for(target: Target, width: int) -> InstructionSet:
+    """The target's instruction set of that many lanes. ValueError names the widths there are."""
+    for candidate in sets_of(target):
+        if candidate.lanes == width:
+            return candidate
+    there = ", ".join(f"x{lanes}" for lanes in widths_of(target))
+    raise ValueError(f"{target.name} has no vectors of {width} doubles; it has {there}")

@@ -1,0 +1,74 @@
+"""Every lane vocabulary does, lane by lane, what plain C++ does."""
+
+import platform
+import subprocess
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from generator.emission import isa
+from generator.emission.environment import environment
+from generator.emission.lanes import LaneContext, lane_context
+from generator.targets.host import read_host
+from generator.targets.target import find_target
+from generator.toolchain.compilers import find_compilers
+
+PROGRAM = Path(__file__).parents[1] / "cpp" / "lanes_test.cpp"
+FLAGS = ("-std=c++17", "-O1", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off")
+# target, lanes of a vector, vectors interleaved
+VOCABULARIES = (
+    ("x86-64-v2", 1, 1),
+    ("x86-64-v2", 2, 3),
+    ("x86-64-v3", 4, 1),
+    ("x86-64-v4", 2, 1),
+    ("x86-64-v4", 4, 2),
+    ("x86-64-v4", 8, 1),
+)
+
+
+def _vocabulary(target: str, lanes: LaneContext) -> str:
+    """The text that a kernel includes; for one lane with what scalar kernels have elsewhere."""
+    if lanes.width > 1:
+        return environment().get_template(lanes.template).render(lanes=lanes)
+    names = ("lanes/scalar.j2", "lanes/scalar_more.j2", "exact/scale.j2")
+    estimate = isa.estimate(find_target(target), 0).scalar
+    x = SimpleNamespace(real="double", table=True, lane_estimate=estimate)
+    k = SimpleNamespace(places_fma=lanes.fma)
+    parts = [environment().get_template(name).render(x=x, k=k) for name in names]
+    return "\n".join(["constexpr std::uint64_t kExponentBits = 0x7ff0000000000000u;", *parts])
+
+
+def _write(folder: Path, target: str, width: int, interleave: int) -> None:
+    lanes = lane_context(find_target(target), width, interleave)
+    begin, end = isa.pragmas(find_target(target), contract=False)
+    facts = (
+        f"constexpr double kEstimateError = {lanes.estimate_error!r};\n"
+        f"constexpr bool kFused = {'true' if lanes.fma else 'false'};\n"
+    )
+    texts = {"begin": begin, "end": end, "facts": facts, "vocabulary": _vocabulary(target, lanes)}
+    for name, text in texts.items():
+        (folder / f"{name}.inc").write_text(text + "\n", "utf-8")
+
+
+def _run(folder: Path, compile_with: list[str], run_with: list[str]) -> None:
+    program = folder / "lanes_test"
+    command = [*compile_with, *FLAGS, f"-I{folder}", str(PROGRAM), "-o", str(program)]
+    built = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert built.returncode == 0, built.stderr[:2000]
+    done = subprocess.run([*run_with, str(program)], capture_output=True, text=True, timeout=120)
+    print(done.stdout)
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize(
+    "compiler", [c for c in find_compilers() if c.code != "clangold"], ids=lambda c: c.code
+)
+@pytest.mark.parametrize(("target", "width", "interleave"), VOCABULARIES)
+def test_vocabulary_does_in_every_lane_what_plain_cpp_does(
+    tmp_path, compiler, target, width, interleave
+):
+    if platform.machine() != "x86_64" or not read_host().runs(find_target(target)):
+        pytest.skip(f"{target} does not run here")
+    _write(tmp_path, target, width, interleave)
+    _run(tmp_path, [compiler.path], [])
