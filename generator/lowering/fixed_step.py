@@ -144,13 +144,16 @@ class FixedStepLowering:
         method = self.variant["rsqrt"]
         if method == "inv":
             return f"exact_rsqrt({n})", OperationCounts(div=1, sqrt=1, compare=1)
-        newton = OperationCounts(mul=4, add=1)
+        fused = self.variant["fma"] == "fma"
         if method in ("est1", "est2"):
             steps = int(method[-1])
+            newton = OperationCounts(mul=2, fma=2) if fused else OperationCounts(mul=4, add=2)
             return f"rsqrt_newton{steps}({n})", OperationCounts(estimate=1) + newton * steps
         guess = f"g_{tag}" if method == "ahead" else f"i_{tag}"
         bound = "kRefineContact" if tag == "c" else "kRefineTable"
-        return f"refined({n}, {guess}, {bound})", newton
+        check = OperationCounts(add=1, mul=5)
+        last = OperationCounts(fma=1) if fused else OperationCounts(add=1, mul=1)
+        return f"refined({n}, {guess}, {bound})", check + last
 
     def is_zero(self, tag: str) -> str:
         """Condition that a slip counts as zero: below 1e-16 m/s at the contact, 0 at the table."""
@@ -383,7 +386,8 @@ class FixedStepLowering:
             Assign(symbol.name, forms[symbol].subs(in_items), f"const {REAL}")
             for symbol in (s.C_X, s.C_Z)
         ]
-        return self._part(table + contact, self.plain)
+        pairs, singles = self._part(table, self.plain), self._part(contact, self.plain)
+        return Part((*pairs.lines, *singles.lines), pairs.counts * 2 + singles.counts)
 
     def pair_constants(self, part: Part) -> dict[str, tuple[str, str]]:
         """The pairs {a, b} that the lines of a part name, by name."""
@@ -405,7 +409,8 @@ class FixedStepLowering:
                 ]
                 target = sp.Symbol(f"{kind}_{axis}", real=True)
                 assigns.append(Assign(target.name, target + _lane_form(*pair, (t_x, t_y))))
-        return self._part(self._in_order(assigns), self.lanes)
+        update = self._part(self._in_order(assigns), self.lanes)
+        return Part(update.lines, update.counts * 2)
 
     def slip_lanes(self, pressed: int) -> Part:
         """The reduced update with lane 0 = contact slip, lane 1 = the pressed ball's slip."""
@@ -421,7 +426,25 @@ class FixedStepLowering:
         changes = _approach_changes((pressed,)).items()
         approach = lower([*(Assign(n.name, n + c) for n, c in changes), APPROACH], self.plain)
         first, last = (block, approach) if self._chain_first else (approach, block)
-        return Part((*first.lines, *last.lines), first.counts + last.counts)
+        return Part((*first.lines, *last.lines), block.counts * 2 + approach.counts)
+
+    def lane_counts(self, simd: str) -> OperationCounts:
+        """Operations of what templates/fixed_step/*_lanes.j2 lay out around the update.
+
+        An operation on a pair counts twice.
+        """
+        fused = self.variant["fma"] == "fma"
+        square = OperationCounts(mul=1, fma=1) if fused else OperationCounts(mul=2, add=1)
+        steps = int(self.variant["rsqrt"][-1]) if self.variant["rsqrt"].startswith("est") else 0
+        newton = OperationCounts(mul=4, add=2) * steps
+        root = newton + (OperationCounts(estimate=1) if steps else OperationCounts(div=1, sqrt=1))
+        pair = (square + root) * 2
+        if simd == "slips":  # two unit vectors, contact friction, table friction
+            return pair + OperationCounts(mul=4 + 2 + 3)
+        single = square + self._inverse_root("n", "c")[1]
+        lift = OperationCounts(add=2 if self.terms.lift else 0)
+        # contact friction, table friction of both balls, v_n
+        return pair + single + lift + OperationCounts(mul=4 + 8, add=1)
 
     # ------------------------------------------------------------------------------------------
 

@@ -49,6 +49,7 @@ class Loop:
     resumes: bool = False
     masked_lift: tuple[str, ...] = ()
     pairs: dict[str, tuple[str, str]] = field(default_factory=dict)
+    in_lanes: OperationCounts = field(default_factory=OperationCounts)  # of the template's own
 
     @property
     def physical(self) -> bool:
@@ -93,8 +94,8 @@ class Loop:
         parts = [self.top, self.d_x, self.d_z, self.update, self.bottom]
         parts += [self.root_in_branch[ball]]
         parts += [part for key, part in self.table.items() if key == ball or self._masks]
-        parts += [part for key, part in self.lift.items() if key == ball]
-        work = OperationCounts(add=2, mul=2 if self.physical else 0, compare=2)
+        parts += [part for key, part in self.lift.items() if key == ball or self._masks]
+        work = OperationCounts(add=2, mul=1, compare=2) + self.in_lanes
         return sum((part.counts for part in parts), work)
 
     @property
@@ -361,6 +362,7 @@ class LoopBuilder:
         loop.update = low.slip_lanes(pressed)
         loop.after_loop = _join(low.recover_pressed(pressed), low.velocities_from_sums(pressed))
         loop.pairs = low.pair_constants(loop.update)
+        loop.in_lanes = low.lane_counts("slips")
         return loop
 
     def balls(self) -> Loop:
@@ -374,6 +376,7 @@ class LoopBuilder:
         loop.top = low.ball_lane_slips()
         loop.update = low.ball_lanes()
         loop.pairs = low.pair_constants(loop.update)
+        loop.in_lanes = low.lane_counts("balls")
         return loop
 
 

@@ -1,0 +1,171 @@
+"""Operations of a kernel, counted by running its text with a number type that counts.
+
+`double` and `float` of the generated text become C++ types whose operators count themselves
+(templates/counting). Arithmetic on two constants is left out, as a compiler leaves it out.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from generator.emission.kernel_source import KernelSource, templates_folder
+from generator.errors import KernelError
+from generator.lowering.counts import OperationCounts
+from generator.scenes.scene import UNITS, find_scene
+from generator.toolchain.build import build_library
+from generator.toolchain.compilers import Compiler
+from generator.toolchain.process import run
+from generator.verification.errors import CASE_COLUMNS, Array
+
+KINDS = ("add", "mul", "fma", "div", "sqrt", "estimate", "call")
+TIMEOUT = 300.0
+_REGION = re.compile(r"^#define CAROM_REGION_(BEGIN|END)\(name\) static_cast<void>\(0\)$", re.M)
+_VECTOR = re.compile(r"typedef (double|float) (\w+) __attribute__\(\(vector_size\((\d+)\)\)\);")
+_SIZES = {"double": 8, "float": 4}
+_EVALUATION = re.compile(r"\b(?:rates_at|tail_rates)\(const Start& start,[^;{]*\) \{")
+_ITERATION = re.compile(r"\+\+count > limit")
+_STEP_BEGIN = re.compile(r"^ *// \d+ stages$", re.M)
+_STEP_END = re.compile(r"^ *// Inside the step: the end of compression, and the end\.$", re.M)
+_ROOT = re.compile(r"\b(?:rsqrt|rough_rsqrt)\(Real n\) \{")
+
+
+@dataclass(frozen=True)
+class Passages:
+    """How often a region was passed with which operations."""
+
+    times: int
+    counts: OperationCounts
+    calls: int  # of functions of the library, as exp
+
+
+@dataclass(frozen=True)
+class Counted:
+    """What a run of a kernel took. `per_iteration`: what most passages of the loop took."""
+
+    cases: int
+    collisions: int  # cases with an outcome
+    total: OperationCounts
+    calls: int
+    evaluations: int  # of the rates of the slips; a fixed step has one an iteration
+    regions: Mapping[str, tuple[Passages, ...]]  # most frequent first
+
+    @property
+    def per_iteration(self) -> OperationCounts | None:
+        """Of the region `step` where there is one (exact kernels), else of `loop`."""
+        found = self.regions.get("step") or self.regions.get("loop")
+        return found[0].counts if found else None
+
+    @property
+    def flops_per_collision(self) -> float:
+        return self.total.flops / max(self.collisions, 1)
+
+
+def instrumented(text: str) -> str:
+    """A kernel's text with counters where its regions and evaluations begin and end.
+
+    Raises KernelError where the text has no regions to hook into.
+    """
+    text, hooked = _REGION.subn(
+        lambda m: f"#define CAROM_REGION_{m[1]}(name) counted::regions.{m[1].lower()}(name)", text
+    )
+    if hooked != 2:
+        raise KernelError("counting: the kernel's text has no CAROM_REGION_BEGIN and _END")
+    text = _VECTOR.sub(
+        lambda m: f"typedef counted::Lanes<{m[1]}_, {int(m[3]) // _SIZES[m[1]]}> {m[2]};", text
+    )
+    text = _EVALUATION.sub(lambda m: f"{m[0]} ++counted::evaluations;", text)
+    text = _ITERATION.sub("++counted::evaluations, ++count > limit", text)
+    text = _ROOT.sub(lambda m: f"{m[0]} const counted::Apart apart;", text)
+    text = _STEP_BEGIN.sub(lambda m: f'{m[0]}\n  counted::regions.begin("step");', text)
+    return _STEP_END.sub(lambda m: f'  counted::regions.end("step");\n{m[0]}', text)
+
+
+@cache
+def _environment() -> Environment:
+    folder = templates_folder() / "counting"
+    return Environment(
+        loader=FileSystemLoader(str(folder)),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+
+
+def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
+    """Files of a library with `carom_count`. `apart`: roots' own operations are left out."""
+    scene = find_scene(source.variant.scene)
+    order = {key: index for index, key in enumerate(UNITS)}
+    fields = [(key, order[key]) for key in UNITS if key in scene.free]
+    values = {"name": source.source_name, "kinds": KINDS, "fields": fields, "apart": apart}
+    render = {
+        name: _environment().get_template(f"{name}.j2").render(**values)
+        for name in ("counted.h", "count.cpp")
+    }
+    # Only count.cpp is compiled: the kernel is included in it.
+    kernel = {"carom.h": source.header, "kernel.inc": instrumented(source.source)}
+    return {**kernel, **render}
+
+
+def count_operations(
+    source: KernelSource,
+    compiler: Compiler,
+    flags: tuple[str, ...],
+    cases: Array,
+    cache_folder: Path,
+    apart: bool = False,
+) -> Counted:
+    """Run `cases` (rows of 24) through a kernel that counts, in a process of its own.
+
+    `apart`: leave out what makes the inverse roots, as the counts in the files of exact kernels do.
+    Raises KernelError where the text cannot be counted.
+    """
+    sources = counting_sources(source, apart)
+    library = build_library(sources, (), compiler, (*flags, "-w"), cache_folder, "counting")
+    with tempfile.TemporaryDirectory() as name:
+        rows, out = Path(name, "rows"), Path(name, "out")
+        np.ascontiguousarray(cases, dtype=np.float64).tofile(rows)
+        command = [sys.executable, "-P", "-m", "generator.profiling.run_count"]
+        done = run([*command, str(library.path), str(rows), str(out)], TIMEOUT)
+        if done.code != 0:
+            raise KernelError(f"counting {source.source_name}: {done.first_error}")
+        return _counted(json.loads(out.read_text("utf-8")), len(cases))
+
+
+def _counts(values: list[int]) -> OperationCounts:
+    known = dict(zip(KINDS, values, strict=True))
+    known.pop("call")
+    return OperationCounts(**known)
+
+
+def _counted(document: dict, cases: int) -> Counted:
+    regions = {
+        name: tuple(
+            Passages(row[0], _counts(row[1:]), row[-1])
+            for row in sorted(passages, key=lambda row: -row[0])
+        )
+        for name, passages in document["regions"].items()
+    }
+    total = document["total"]
+    return Counted(
+        cases=cases,
+        collisions=document["statuses"][0],
+        total=_counts(total),
+        calls=total[-1],
+        evaluations=document["evaluations"],
+        regions=regions,
+    )
+
+
+assert CASE_COLUMNS == 24  # as templates/counting/count.cpp.j2 reads them
