@@ -84,8 +84,25 @@ class ExactLowering:
         for stage in stages:
             total = total + stage.counts
         gains = self._gains() if self.gains else Part((), OperationCounts())
-        total = total + gains.counts
+        total = total + gains.counts + self._laid_out()
         return ExactStep(rates, stages, error, step, gains, self._sums(), total)
+
+    def _laid_out(self) -> OperationCounts:
+        """What templates/exact lays out around the printed parts of a step.
+
+        Squares of slips, the pace and the first rates of a clustered step, the size of the error.
+        """
+        added = OperationCounts(fma=1) if self.place_fma else OperationCounts(add=1, mul=1)
+        evaluations = self.tableau.stages - 1
+        if self.table:
+            total = (added * 4 + OperationCounts(mul=1)) * evaluations
+            total = total + OperationCounts(add=2, mul=11, div=1)
+        else:
+            total = added * (2 * evaluations + 1) + OperationCounts(mul=4)
+        if self.tableau.second:
+            joint = OperationCounts(add=1, mul=2, div=1, sqrt=1) + added
+            total = total + joint * (4 if self.table else 2)
+        return total
 
     # -- rates --
 

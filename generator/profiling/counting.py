@@ -6,36 +6,36 @@
 
 from __future__ import annotations
 
-import json
 import re
-import sys
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
-import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-from generator.emission.kernel_source import KernelSource, templates_folder
+from generator.emission.environment import environment
+from generator.emission.kernel_source import KernelSource
 from generator.errors import KernelError
 from generator.lowering.counts import OperationCounts
+from generator.profiling.isolated import call_isolated
 from generator.scenes.scene import UNITS, find_scene
 from generator.toolchain.build import build_library
 from generator.toolchain.compilers import Compiler
-from generator.toolchain.process import run
-from generator.verification.errors import CASE_COLUMNS, Array
+from generator.verification.errors import Array
 
-KINDS = ("add", "mul", "fma", "div", "sqrt", "estimate", "call")
+KINDS = ("add", "mul", "fma", "div", "sqrt", "estimate", "call", "rare")
+_APART = ("call", "rare")  # no operations of their own
 TIMEOUT = 300.0
 _REGION = re.compile(r"^#define CAROM_REGION_(BEGIN|END)\(name\) static_cast<void>\(0\)$", re.M)
+_RARE = re.compile(r"^#define CAROM_RARE\(\) static_cast<void>\(0\)$", re.M)
 _VECTOR = re.compile(r"typedef (double|float) (\w+) __attribute__\(\(vector_size\((\d+)\)\)\);")
 _SIZES = {"double": 8, "float": 4}
 _EVALUATION = re.compile(r"\b(?:rates_at|tail_rates)\(const Start& start,[^;{]*\) \{")
 _ITERATION = re.compile(r"\+\+count > limit")
 _STEP_BEGIN = re.compile(r"^ *// \d+ stages$", re.M)
-_STEP_END = re.compile(r"^ *// Inside the step: the end of compression, and the end\.$", re.M)
+_STEP_END = re.compile(
+    r"^ *// Inside the step: the end of compression, and the end\.$"
+    r"|^ *at\.c_x = select\(keeps, |^ *at\.gain_c_x = select\(keeps, ",
+    re.M,
+)
 _ROOT = re.compile(r"\b(?:rsqrt|rough_rsqrt)\(Real n\) \{")
 
 
@@ -46,11 +46,12 @@ class Passages:
     times: int
     counts: OperationCounts
     calls: int  # of functions of the library, as exp
+    rare: int  # blocks marked CAROM_RARE: guesses that were refused
 
 
 @dataclass(frozen=True)
 class Counted:
-    """What a run of a kernel took. `per_iteration`: what most passages of the loop took."""
+    """What a run of a kernel took."""
 
     cases: int
     collisions: int  # cases with an outcome
@@ -61,9 +62,18 @@ class Counted:
 
     @property
     def per_iteration(self) -> OperationCounts | None:
-        """Of the region `step` where there is one (exact kernels), else of `loop`."""
-        found = self.regions.get("step") or self.regions.get("loop")
-        return found[0].counts if found else None
+        """What most passages took in which no guess was refused.
+
+        Of the region `step` where there is one (exact kernels), else of `loop`.
+        """
+        found = self.regions.get("step") or self.regions.get("loop") or ()
+        return next((p.counts for p in found if not p.rare), None)
+
+    @property
+    def rare_share(self) -> float:
+        """Share of the loop's iterations in which a guess was refused."""
+        found = self.regions.get("loop", ())
+        return sum(p.times for p in found if p.rare) / max(sum(p.times for p in found), 1)
 
     @property
     def flops_per_collision(self) -> float:
@@ -84,23 +94,12 @@ def instrumented(text: str) -> str:
         lambda m: f"typedef counted::Lanes<{m[1]}_, {int(m[3]) // _SIZES[m[1]]}> {m[2]};", text
     )
     text = _EVALUATION.sub(lambda m: f"{m[0]} ++counted::evaluations;", text)
+    text = _RARE.sub("#define CAROM_RARE() ++counted::tally.of[counted::k_rare]", text)
     text = _ITERATION.sub("++counted::evaluations, ++count > limit", text)
     text = _ROOT.sub(lambda m: f"{m[0]} const counted::Apart apart;", text)
     text = _STEP_BEGIN.sub(lambda m: f'{m[0]}\n  counted::regions.begin("step");', text)
-    return _STEP_END.sub(lambda m: f'  counted::regions.end("step");\n{m[0]}', text)
-
-
-@cache
-def _environment() -> Environment:
-    folder = templates_folder() / "counting"
-    return Environment(
-        loader=FileSystemLoader(str(folder)),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
+    # Once: where slips and their changes are both kept, the first line of the two ends the step.
+    return _STEP_END.sub(lambda m: f'  counted::regions.end("step");\n{m[0]}', text, count=1)
 
 
 def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
@@ -110,7 +109,7 @@ def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
     fields = [(key, order[key]) for key in UNITS if key in scene.free]
     values = {"name": source.source_name, "kinds": KINDS, "fields": fields, "apart": apart}
     render = {
-        name: _environment().get_template(f"{name}.j2").render(**values)
+        name: environment().get_template(f"counting/{name}.j2").render(**values)
         for name in ("counted.h", "count.cpp")
     }
     # Only count.cpp is compiled: the kernel is included in it.
@@ -133,26 +132,18 @@ def count_operations(
     """
     sources = counting_sources(source, apart)
     library = build_library(sources, (), compiler, (*flags, "-w"), cache_folder, "counting")
-    with tempfile.TemporaryDirectory() as name:
-        rows, out = Path(name, "rows"), Path(name, "out")
-        np.ascontiguousarray(cases, dtype=np.float64).tofile(rows)
-        command = [sys.executable, "-P", "-m", "generator.profiling.run_count"]
-        done = run([*command, str(library.path), str(rows), str(out)], TIMEOUT)
-        if done.code != 0:
-            raise KernelError(f"counting {source.source_name}: {done.first_error}")
-        return _counted(json.loads(out.read_text("utf-8")), len(cases))
+    return _counted(call_isolated("carom_count", library.path, cases, TIMEOUT), len(cases))
 
 
 def _counts(values: list[int]) -> OperationCounts:
     known = dict(zip(KINDS, values, strict=True))
-    known.pop("call")
-    return OperationCounts(**known)
+    return OperationCounts(**{kind: known[kind] for kind in KINDS if kind not in _APART})
 
 
 def _counted(document: dict, cases: int) -> Counted:
     regions = {
         name: tuple(
-            Passages(row[0], _counts(row[1:]), row[-1])
+            Passages(row[0], _counts(row[1:]), *row[-2:])
             for row in sorted(passages, key=lambda row: -row[0])
         )
         for name, passages in document["regions"].items()
@@ -162,10 +153,7 @@ def _counted(document: dict, cases: int) -> Counted:
         cases=cases,
         collisions=document["statuses"][0],
         total=_counts(total),
-        calls=total[-1],
+        calls=total[-2],
         evaluations=document["evaluations"],
         regions=regions,
     )
-
-
-assert CASE_COLUMNS == 24  # as templates/counting/count.cpp.j2 reads them

@@ -1,0 +1,29 @@
+"""A function of a library run on cases in another process, its answer as JSON."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from generator.errors import KernelError
+from generator.toolchain.process import run
+from generator.verification.errors import Array
+
+
+def call_isolated(
+    function: str, library: Path, cases: Array, timeout: float, *more: object
+) -> dict[str, Any]:
+    """What `function` wrote for rows of 24 numbers. Raises KernelError where it failed."""
+    with tempfile.TemporaryDirectory() as name:
+        rows, out = Path(name, "rows"), Path(name, "out")
+        np.ascontiguousarray(cases, dtype=np.float64).tofile(rows)
+        command = [sys.executable, "-P", "-m", "generator.profiling.run_library"]
+        done = run([*command, function, *map(str, (library, rows, out, *more))], timeout)
+        if done.code != 0:
+            raise KernelError(f"{function}: {done.first_error}")
+        return json.loads(out.read_text("utf-8"))

@@ -1,0 +1,92 @@
+"""Where a kernel's time goes: the program counter sampled by a timer, mapped to sections.
+
+The kernel is compiled with line tables (-g), which change no instruction. An out-of-order core is
+busy in several sections at once; a sample counts for the one whose instruction is found waiting.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator.emission.environment import environment
+from generator.errors import KernelError
+from generator.profiling.isolated import call_isolated
+from generator.profiling.sections import SECTIONS, section_of, sections_of
+from generator.toolchain.build import build_library
+from generator.toolchain.compilers import Compiler
+from generator.toolchain.process import run
+from generator.verification.errors import Array
+
+_HEADER = re.compile(r"^0x[0-9a-f]+$")
+_FRAME = re.compile(r"(?:.*/)?kernel\.cpp:(\d+)")
+_FLAGS = ("-std=c++17", "-O2")
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Shares of the samples taken in the kernel's library, by section; they add up to 1."""
+
+    shares: Mapping[str, float]
+    unknown: float  # instructions with no line of a section
+    samples: int
+    counters: Mapping[str, float]  # a collision, by the hardware; empty where there are none
+    no_counters: str  # why
+
+
+def sample(
+    sources: Mapping[str, str],
+    compiler: Compiler,
+    flags: tuple[str, ...],
+    cases: Array,
+    seconds: float,
+    cache: Path,
+) -> Sampled:
+    """Run a kernel on cases (rows of 24) for a while. Raises KernelError where that fails."""
+    if shutil.which("addr2line") is None:
+        raise KernelError("sections: no addr2line (apt-get install binutils)")
+    kernel = build_library(sources, (), compiler, (*flags, "-g"), cache, "sampled kernel")
+    text = environment().get_template("sampling/sample.cpp.j2").render()
+    sampler = build_library({"sample.cpp": text}, (), compiler, _FLAGS, cache, "sampler")
+    taken = call_isolated(
+        "carom_sample", sampler.path, cases, 60 + 5 * seconds, kernel.path, seconds
+    )
+    at = {int(offset): int(count) for offset, count in taken["at"]}
+    if not at:
+        raise KernelError("sections: no sample fell into the kernel")
+    by_line = sections_of(sources["kernel.cpp"])
+    totals = dict.fromkeys(SECTIONS, 0)
+    unknown = 0
+    for offset, frames in _frames(kernel.path, at).items():
+        section = section_of(frames, by_line)
+        if section is None:
+            unknown += at[offset]
+        else:
+            totals[section] += at[offset]
+    whole = sum(at.values())
+    return Sampled(
+        shares={name: count / whole for name, count in totals.items()},
+        unknown=unknown / whole,
+        samples=whole,
+        counters=taken["counters"],
+        no_counters=taken["no_counters"],
+    )
+
+
+def _frames(library: Path, at: Mapping[int, int]) -> dict[int, list[int]]:
+    """Lines of kernel.cpp that each address was inlined through, innermost first."""
+    addresses = "".join(f"{offset:#x}\n" for offset in at)
+    done = run(["addr2line", "-a", "-i", "-e", str(library)], 60, text=addresses)
+    if done.code != 0:
+        raise KernelError(f"addr2line: {done.first_error}")
+    found: dict[int, list[int]] = {}
+    current: list[int] = []
+    for line in done.output.splitlines():
+        if _HEADER.match(line):
+            current = found.setdefault(int(line, 16), [])
+        elif (frame := _FRAME.match(line)) is not None:
+            current.append(int(frame[1]))
+    return found

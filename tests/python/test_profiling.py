@@ -1,0 +1,114 @@
+"""Sections of a kernel by sampling, and misses as valgrind simulates them."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from kernels import CACHE, bench_tool, compiler_of
+
+from generator.emission.kernel_source import KernelSource, emit
+from generator.profiling.misses import own_costs, simulate_misses
+from generator.profiling.sampling import sample
+from generator.profiling.sections import SECTIONS, sections_of
+from generator.targets.host import read_host
+from generator.targets.target import find_target
+from generator.toolchain.build import build_library
+from generator.toolchain.flags import compile_flags
+from generator.variants.presets import find_preset
+from generator.variants.variant import Stepper, Variant, make_variant
+
+EULER = Stepper("euler", steps=1000)
+
+
+def _kernel(preset: str, target: str = "x86-64-v2") -> tuple[Variant, KernelSource]:
+    options = {**find_preset(preset).options, "fma": "nofma"}
+    variant = make_variant(target, "any", "mathavan2014", EULER, **options)
+    return variant, emit(variant)
+
+
+def _files(source: KernelSource) -> dict[str, str]:
+    return {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
+
+
+def _line(source: str, text: str) -> int:
+    return next(n for n, line in enumerate(source.splitlines()) if text in line)
+
+
+def test_lines_of_a_kernel_belong_to_the_section_that_they_serve() -> None:
+    wanted = {
+        "const double distance = std::sqrt(square);": "pre-loop",
+        "const double n_c = c_x * c_x + c_z * c_z;": "impulse",
+        "c_x = c_x + 7.0 * h_x * i_c;": "update",
+        "W += half_dP * std::fabs(v_n_before + v_n);": "update",
+        "const double dc_x = c_x - c_x_0;": "post-loop",
+        "out1[3] = b.v1x * b.f_y + b.v1y * b.f_x;": "post-loop",
+    }
+    source = _kernel("reduced-ahead")[1].source
+    found = sections_of(source)
+    for text, section in wanted.items():
+        assert found[_line(source, text)] == section, text
+    assert found[_line(source, "inline double exact_rsqrt(double n)")] is None  # its caller's
+    assert len(found) == len(source.splitlines())
+    exact = make_variant("x86-64-v2", "any", "mathavan2014", Stepper("dp54", budget=1e-6))
+    source = emit(exact.with_options(fma="nofma")).source
+    found = sections_of(source)
+    assert found[_line(source, "const Real i_cs = i_c * i_s;")] == "impulse"
+    assert found[_line(source, "// Accept or shrink")] == "update"
+
+
+def test_samples_of_the_report_s_kernel_fall_almost_all_into_the_loop() -> None:
+    variant, source = _kernel("paper-initial")
+    compiler = compiler_of(variant)
+    flags = compile_flags(variant, compiler, find_target(variant.target))
+    cases = bench_tool().make_cases(1, 256).rows
+    found = sample(_files(source), compiler, flags, cases, 0.5, CACHE)
+    print(f"{found.samples} samples, {found.unknown:.2%} unknown, {dict(found.shares)}")
+    assert set(found.shares) == set(SECTIONS)
+    assert sum(found.shares.values()) + found.unknown == pytest.approx(1)
+    assert found.samples > 100
+    assert found.unknown < 0.05
+    assert found.shares["impulse"] + found.shares["update"] > 0.9
+    assert found.counters or found.no_counters  # one or the other, never silence
+
+
+@pytest.mark.skipif(shutil.which("valgrind") is None, reason="no valgrind")
+def test_valgrind_counts_the_kernel_alone() -> None:
+    variant, source = _kernel("reduced-ahead")
+    compiler = compiler_of(variant)
+    flags = compile_flags(variant, compiler, find_target(variant.target))
+    library = build_library(_files(source), (), compiler, flags, CACHE)
+    cases = bench_tool().make_cases(1, 64).rows
+    found = simulate_misses(bench_tool().executable, library.path, cases)
+    print(found)
+    # A thousand iterations of some 80 instructions and two branches, nearly all of them guessed.
+    assert 30_000 < found.events["instructions"] < 300_000
+    assert 1_000 < found.events["branches"] < 20_000
+    assert 0 < found.events["branch_misses"] < 0.05 * found.events["branches"]
+    assert read_host().runs(find_target(variant.target))
+
+
+def test_calls_into_other_libraries_are_left_out() -> None:
+    profile = """events: Ir Bc Bcm
+ob=(1) /tmp/kernel.so
+fl=(1) kernel.cpp
+fn=(1) collide
+10 100 7 1
++3 50
+cob=(2) /lib/libm.so
+cfn=(2) exp
+calls=2 40
+* 1000 9 9
+ob=(2)
+fn=(2)
+40 1000 9 9
+ob=(1)
+fn=(1)
+-2 5 5 5
+"""
+    assert own_costs(profile.splitlines(), Path("/tmp/kernel.so")) == {
+        "Ir": 155,
+        "Bc": 12,
+        "Bcm": 6,
+    }
