@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.any.pooltool.euler.n1000.x1.reduced.named.factored.chain.prev.early.nofma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene any --model pooltool
-// inputs:   sha256 c32b8cf4beafe276
+// inputs:   sha256 68a9032fce309a7e
 #include "carom.h"
 
 #include <cmath>
@@ -47,7 +47,7 @@ namespace {
 // Valid: R 1e-09 to 1000, M 1e-09 to 1e+06, u_s1 0 to 1, u_s2 0 to 1, u_b 0 to 1, e_b 0 to 1;
 // speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Operations an iteration: 19 add, 33 mul, 2 compare (52 flops).
+// Operations an iteration: 21 add, 38 mul, 2 compare (59 flops).
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
 
 // ---- Parameters -------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.pool.mathavan2014.euler.n1000.x1.reduced.named.factored.paper.ahead.early.nofma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene pool --model mathavan2014
-// inputs:   sha256 f43d944c33b5233a
+// inputs:   sha256 6a261d30801fcb50
 #include "carom.h"
 
 #include <cmath>
@@ -46,7 +46,7 @@ namespace {
 // speed, up to 1e-3 of it in hard cases at N = 1000.
 // Valid: u_b 0 to 0.6; speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Operations an iteration: 21 add, 35 mul, 2 compare (56 flops).
+// Operations an iteration: 23 add, 40 mul, 2 compare (63 flops).
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
 
 // ---- Parameters -------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.pool.pooltool.euler.n1000.x1.reduced.named.factored.chain.prev.early.nofma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene pool --model pooltool
-// inputs:   sha256 25c8c648187269d8
+// inputs:   sha256 1394c5412f94c33e
 #include "carom.h"
 
 #include <cmath>
@@ -46,7 +46,7 @@ namespace {
 // speed, up to 1e-3 of it in hard cases at N = 1000.
 // Valid: u_b 0 to 0.6; speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Operations an iteration: 19 add, 33 mul, 2 compare (52 flops).
+// Operations an iteration: 21 add, 38 mul, 2 compare (59 flops).
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
 
 // ---- Parameters -------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.pool.bottom_slip.euler.n1000.x1.reduced.named.factored.chain.prev.early.fma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene pool --model bottom_slip
-// inputs:   sha256 31aa1a0f1ed14e93
+// inputs:   sha256 0f0721d588af426b
 #include "carom.h"
 
 #include <cmath>
@@ -47,7 +47,7 @@ namespace {
 // speed, up to 1e-3 of it in hard cases at N = 1000.
 // Valid: u_b 0 to 0.6; speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Operations an iteration: 8 add, 22 mul, 11 fma, 2 compare (52 flops).
+// Operations an iteration: 8 add, 25 mul, 13 fma, 2 compare (59 flops).
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
 
 // ---- Parameters -------------------------------------------------------------------------------

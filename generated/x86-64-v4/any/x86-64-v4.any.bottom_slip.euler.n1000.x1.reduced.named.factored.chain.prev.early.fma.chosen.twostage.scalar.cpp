@@ -3,7 +3,7 @@
 // kernel:   x86-64-v4.any.bottom_slip.euler.n1000.x1.reduced.named.factored.chain.prev.early.fma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v4 --scene any --model bottom_slip
-// inputs:   sha256 130a835d448c0f82
+// inputs:   sha256 64830c9a609d3769
 #include "carom.h"
 
 #include <cmath>
@@ -50,7 +50,7 @@ namespace {
 // Valid: R 1e-09 to 1000, M 1e-09 to 1e+06, u_s1 0 to 1, u_s2 0 to 1, u_b 0 to 1, e_b 0 to 1;
 // speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Operations an iteration: 8 add, 22 mul, 11 fma, 2 compare (52 flops).
+// Operations an iteration: 8 add, 25 mul, 13 fma, 2 compare (59 flops).
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
 
 // ---- Parameters -------------------------------------------------------------------------------

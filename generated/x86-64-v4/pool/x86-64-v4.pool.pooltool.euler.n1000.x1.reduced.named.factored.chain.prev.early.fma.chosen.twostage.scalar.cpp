@@ -3,7 +3,7 @@
 // kernel:   x86-64-v4.pool.pooltool.euler.n1000.x1.reduced.named.factored.chain.prev.early.fma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v4 --scene pool --model pooltool
-// inputs:   sha256 825c173edb500a32
+// inputs:   sha256 53261e819077c9d7
 #include "carom.h"
 
 #include <cmath>
@@ -49,7 +49,7 @@ namespace {
 // speed, up to 1e-3 of it in hard cases at N = 1000.
 // Valid: u_b 0 to 0.6; speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Operations an iteration: 8 add, 22 mul, 11 fma, 2 compare (52 flops).
+// Operations an iteration: 8 add, 25 mul, 13 fma, 2 compare (59 flops).
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
 
 // ---- Parameters -------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 // kernel:   zen3.any.bottom_slip.euler.n1000.x1.reduced.named.precompute.chain.ahead.early.fma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene any --model bottom_slip
-// inputs:   sha256 0f645431c49e5c73
+// inputs:   sha256 c6ae6a30421703b9
 #include "carom.h"
 
 #include <cmath>
@@ -48,7 +48,7 @@ namespace {
 // Valid: R 1e-09 to 1000, M 1e-09 to 1e+06, u_s1 0 to 1, u_s2 0 to 1, u_b 0 to 1, e_b 0 to 1;
 // speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Operations an iteration: 11 add, 20 mul, 10 fma, 2 compare (51 flops).
+// Operations an iteration: 11 add, 23 mul, 12 fma, 2 compare (58 flops).
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
 
 // ---- Parameters -------------------------------------------------------------------------------

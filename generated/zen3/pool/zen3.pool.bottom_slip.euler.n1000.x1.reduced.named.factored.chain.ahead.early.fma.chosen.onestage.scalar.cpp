@@ -3,7 +3,7 @@
 // kernel:   zen3.pool.bottom_slip.euler.n1000.x1.reduced.named.factored.chain.ahead.early.fma.chosen.onestage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene pool --model bottom_slip
-// inputs:   sha256 d4616a3ac1a5e7e8
+// inputs:   sha256 98805b94e4001fe3
 #include "carom.h"
 
 #include <cmath>
@@ -47,7 +47,7 @@ namespace {
 // speed, up to 1e-3 of it in hard cases at N = 1000.
 // Valid: u_b 0 to 0.6; speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Operations an iteration: 8 add, 22 mul, 13 fma, 2 compare (56 flops).
+// Operations an iteration: 8 add, 25 mul, 15 fma, 2 compare (63 flops).
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
 
 // ---- Parameters -------------------------------------------------------------------------------
