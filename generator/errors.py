@@ -12,3 +12,11 @@ class InputError(Exception):
 
 class KernelError(Exception):
     """A check or a kernel failed: the command line prints the line and exits with 1."""
+
+
+class KernelTimeout(KernelError):  # noqa: N818
+    """A program took longer than it may."""
+
+
+class KernelCrash(KernelError):  # noqa: N818
+    """A program was ended by a signal."""

@@ -8,13 +8,13 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from generator.choice.store import Store, key_of
 from generator.emission.kernel_source import KernelSource, emit
-from generator.errors import KernelError
+from generator.errors import KernelCrash, KernelError, KernelTimeout
 from generator.scenes.scene import find_scene
 from generator.targets.host import read_host
 from generator.targets.target import Target
@@ -94,10 +94,12 @@ class Workbench:
     compilers: dict[str, Compiler]
     progress: Progress = field(default=lambda what, done, of: None)
     fresh: bool = False  # verify and time anew instead of reusing what is still valid
+    kernel_timeout: float = 300.0  # seconds for a kernel over the cases that are verified on
 
     def __post_init__(self) -> None:
         self.store = Store(self.cache / "figures", self.fresh)
         self.labels: tuple[str, ...] = ()  # of the cases that are verified on
+        self._texts: dict[str, KernelSource] = {}  # by source name
 
     def reused(self) -> str:
         """What was taken from earlier runs; empty where nothing was."""
@@ -107,17 +109,16 @@ class Workbench:
 
     def prepare(self, variants: Sequence[Variant], target: Target) -> list[Candidate]:
         """Emit every variant once; variants that differ only in compiler or flags share a text."""
-        texts: dict[str, KernelSource] = {}
         candidates = []
         for index, variant in enumerate(variants):
             self.progress("deriving and emitting", index, len(variants))
             key = source_name_of(variant)
-            if key not in texts:
-                texts[key] = emit(variant)
+            if key not in self._texts:
+                self._texts[key] = emit(variant)
             compiler = self.compilers[variant["compiler"]]
             flags = compile_flags(variant, compiler, target)
             note = march_flags(compiler, target).note
-            candidates.append(Candidate(variant, texts[key], compiler, flags, note))
+            candidates.append(Candidate(variant, self._texts[key], compiler, flags, note))
         self.progress("deriving and emitting", len(variants), len(variants))
         return candidates
 
@@ -191,7 +192,11 @@ class Workbench:
     def _verify_one(self, candidate: Candidate, expected: Expected) -> None:
         assert candidate.library is not None
         key = key_of(
-            candidate.library.key, expected.key, verification_hash(), candidate.variant.stepper.goal
+            candidate.library.key,
+            expected.key,
+            verification_hash(),
+            candidate.variant.stepper.goal,
+            self.kernel_timeout,
         )
         kept = self.store.kept("verdicts", key, lambda: self._verdicts(candidate, expected))
         candidate.verdict = _verdict_of(kept["oracle"])
@@ -209,9 +214,11 @@ class Workbench:
         assert candidate.library is not None
         cases, steps = expected.cases, candidate.variant.stepper.steps
         try:
-            got = self.tool.run_kernel(candidate.library.path, cases, timeout=300.0)
+            got = self.tool.run_kernel(candidate.library.path, cases, timeout=self.kernel_timeout)
         except KernelError as error:
-            broken = Verdict(False, str(error), float("nan"), float("nan"), len(cases))
+            broken = Verdict(
+                False, str(error), float("nan"), float("nan"), len(cases), ended=_ended(error)
+            )
             return {"oracle": asdict(broken), "pooltool": None}
         if steps is None:
             budget = candidate.variant.stepper.budget
@@ -233,6 +240,11 @@ class Workbench:
 
     # -- time, or model --
 
+    def timing_cases(self, scene: str, model: str) -> Array:
+        """The random cases that kernels are timed on, adapted to the scene."""
+        made = self.tool.make_cases(TIMING_SEED, TIMING_CASES).rows
+        return cases_for_scene(find_scene(scene), made, model)
+
     def time(
         self, candidates: Sequence[Candidate], baseline: Candidate, scene: str, seconds: float
     ) -> TimingRun:
@@ -242,9 +254,7 @@ class Workbench:
             reasons = sorted({c.rejected for c in candidates if c.rejected})
             raise KernelError(f"no candidate passed verification: {'; '.join(reasons[:3])}")
         known = find_scene(scene)
-        model = baseline.variant.model
-        made = self.tool.make_cases(TIMING_SEED, TIMING_CASES).rows
-        cases = cases_for_scene(known, made, model)
+        cases = self.timing_cases(scene, baseline.variant.model)
         reference = load_reference()
         seed_cases = reference.cases[reference.rows_of("seed_case")]
         seeds = seed_cases if known.unrestricted else None
@@ -300,6 +310,12 @@ def verification_hash() -> str:
     """Hash of the rules of verification: a verdict holds only under the rules it was given by."""
     folder = Path(__file__).parents[1] / "verification"
     return key_of(*(path.read_text("utf-8") for path in sorted(folder.glob("*.py"))))
+
+
+def _ended(error: KernelError) -> Literal["", "crash", "timeout"]:
+    if isinstance(error, KernelTimeout):
+        return "timeout"
+    return "crash" if isinstance(error, KernelCrash) else ""
 
 
 def _verdict_of(document: dict[str, Any]) -> Verdict:

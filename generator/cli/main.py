@@ -84,9 +84,16 @@ def gen(
 
 
 def _register() -> None:
-    from generator.cli import bench, collide, explain, listing, plot
+    from generator.cli import bench, collide, explain, listing, plot, sweep
 
-    for command in (bench.bench, collide.collide, explain.explain, listing.list_rows, plot.plot):
+    for command in (
+        bench.bench,
+        collide.collide,
+        explain.explain,
+        listing.list_rows,
+        plot.plot,
+        sweep.sweep,
+    ):
         gen.add_command(command)
 
 

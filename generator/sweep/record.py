@@ -146,23 +146,24 @@ class Finalist(_Part):
 
     subject: Subject
     times: Times
-    to_fastest: float
-    to_fastest_ci: tuple[float, float]
+    to_fastest: float  # median over the processes
+    to_fastest_ci: tuple[float, float]  # their range
     distance: int  # options away from the default
     max_rel_error: float | None
     tie: bool  # with the fastest
 
 
 class Final(Record):
-    """The best of a contest, all interleaved in one process: this decides."""
+    """The best of a contest, all interleaved, in several processes: this decides."""
 
     kind: Literal["final"] = "final"
     contest: str
-    purpose: Literal["choice", "verify-choice", "retiming"]
-    chosen: str  # name of the kernel: of those that tie, the fewest options from the default
+    purpose: Literal["choice", "verify-choice"]
+    chosen: str  # of the ties within 1 %, the one with the fewest options from the default
     fastest: str
     finalists: tuple[Finalist, ...]  # fastest first
-    rounds: int
+    rounds: int  # of all processes together
+    processes: int
     control: tuple[float, float]
 
     @property

@@ -20,7 +20,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from generator.errors import KernelError
+from generator.errors import KernelCrash, KernelError
 from generator.timing.plan import Array, TimingPlan
 from generator.timing.ratios import TimingRun, timing_run
 from generator.toolchain.process import run
@@ -65,7 +65,10 @@ def _read(path: Path, columns: int, rows: int) -> Array:
 
 @dataclass(frozen=True)
 class BenchTool:
-    """A built carom_bench. Every method raises KernelError with the reason when it fails."""
+    """A built carom_bench. Every method raises KernelError with the reason when it fails.
+
+    KernelCrash where a signal ended it, KernelTimeout where it took too long.
+    """
 
     executable: Path
 
@@ -74,7 +77,8 @@ class BenchTool:
         done = run(words, timeout)
         if done.code != 0:
             message = done.first_error if done.errors or done.output else ""
-            raise KernelError(f"carom_bench {command}: {_reason(done.code, message)}")
+            kind = KernelCrash if done.code < 0 else KernelError
+            raise kind(f"carom_bench {command}: {_reason(done.code, message)}")
 
     def make_cases(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -95,6 +95,20 @@ def timing_run(document: dict[str, Any]) -> TimingRun:
         )
     except (KeyError, IndexError, TypeError) as error:
         raise KernelError(f"the timing's result is not complete: {error}") from None
+
+
+def joined(runs: Sequence[TimingRun]) -> TimingRun:
+    """The rounds of several timings of the same kernels one after the other, throughput alone."""
+    first = runs[0]
+    throughput = Measurement(
+        ns={n: np.concatenate([r.throughput.ns[n] for r in runs]) for n in first.throughput.ns},
+        ticks={
+            n: np.concatenate([r.throughput.ticks[n] for r in runs]) for n in first.throughput.ticks
+        },
+        control=np.concatenate([r.throughput.control for r in runs]),
+    )
+    rounds = sum(run.rounds for run in runs)
+    return TimingRun(first.baseline, rounds, throughput, None, None, first.tsc_ghz, -1)
 
 
 def control_band(run: TimingRun) -> Interval:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.errors import KernelError
+from generator.errors import KernelError, KernelTimeout
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,8 @@ def run(
 ) -> Finished:
     """Run a command with messages in English; at the time-out its whole process group is killed.
 
-    Raises KernelError where the program cannot be started or takes longer than `timeout` seconds.
+    Raises KernelError where the program cannot be started, KernelTimeout where it takes longer than
+    `timeout` seconds.
     """
     try:
         process = subprocess.Popen(
@@ -53,7 +54,7 @@ def run(
     try:
         output, errors = process.communicate(text, timeout=timeout)
     except subprocess.TimeoutExpired:
-        raise KernelError(f"{Path(command[0]).name} took longer than {timeout:g} s") from None
+        raise KernelTimeout(f"{Path(command[0]).name} took longer than {timeout:g} s") from None
     finally:
         if process.returncode is None:  # timed out or interrupted
             os.killpg(process.pid, signal.SIGKILL)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -27,6 +28,7 @@ class Verdict:
     max_flip_error: float = 0.0  # m/s
     sticking: int = 0  # cases that were compared with the exact result instead
     max_sticking_rel_error: float = 0.0  # of those, against the exact result
+    ended: Literal["", "crash", "timeout"] = ""  # before there was any result
 
 
 def failed(reason: str, errors: Errors, case: int, flips: tuple[int, ...] = ()) -> Verdict:

@@ -1,0 +1,151 @@
+"""What gen sweep does with its options."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+
+from generator.choice.job import STEPS
+from generator.cli.session import cache_folder, resolve_target, workbench
+from generator.cli.sweep_display import SweepDisplay, displayed, say_outcomes, say_verified
+from generator.errors import InputError
+from generator.scenes.models import find_model
+from generator.scenes.scene import find_scene
+from generator.steppers.budgets import plan_for
+from generator.sweep.lab import Lab, LocalLab
+from generator.sweep.ledger import Ledger, new_run
+from generator.sweep.recheck import verify_choice
+from generator.sweep.space import Contest, parse_only
+from generator.sweep.station import Station
+from generator.sweep.store import ResultStore, default_store, opened
+from generator.sweep.sweep import Plan, explorations, run_sweep
+from generator.targets.target import Target
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The options of the command, as given."""
+
+    target: str
+    scene: str
+    model: str | None
+    steps: int | None
+    max_error: float | None
+    call: str | None
+    only: tuple[str, ...]
+    minutes: float | None
+    trials: int | None
+    exhaustive: bool
+    seed: int
+    store: Path | None
+    fresh: bool
+    verify_choice: bool
+    best: int
+    scheduler: str | None
+    wait: float
+
+    @property
+    def place(self) -> Path:
+        """The store that is used."""
+        return self.store or default_store(cache_folder())
+
+
+def run(asked: Asked) -> int:
+    """Explore and choose, or verify a choice; the command's exit status."""
+    started = time.monotonic()
+    target = _target(asked)
+    scene = find_scene(asked.scene)
+    model = find_model(asked.model or scene.model).name
+    contests = _contests(asked, target, model, scene.max_error)
+    only = parse_only(asked.only)
+    with opened(asked.place) as store, _lab(asked, target, model) as lab:
+        widths: dict[str, tuple[int, ...]] = {"scalar": (1,), "batch": ()}  # no batch kernels yet
+        plan = Plan(
+            target,
+            tuple(c for c in contests if widths[c.call]),
+            widths,
+            only,
+            tuple(lab.compilers),
+            asked.seed,
+            asked.exhaustive,
+            asked.minutes,
+            asked.trials,
+        )
+        try:
+            return _work(asked, plan, lab, store, started)
+        except KeyboardInterrupt:
+            _say_stopped(asked)
+            raise
+
+
+def _work(asked: Asked, plan: Plan, lab: Lab, store: ResultStore, started: float) -> int:
+    command = " ".join(["./gen", *map(shlex.quote, sys.argv[1:])])
+    record = new_run(command, plan.seed, lab.cpu, plan.target.name, lab.compilers)
+    ledger = Ledger(store, record, asked.fresh)
+    end = None if plan.minutes is None else started + 60 * plan.minutes
+    console = Console()
+    with displayed(SweepDisplay(started, end, plan.trials), Console(stderr=True)) as observe:
+        if asked.verify_choice:
+            todo = explorations(plan, lab, ledger, observe)
+            finals = [verify_choice(each, store, asked.best) for each in todo]
+        else:
+            outcomes = run_sweep(plan, lab, ledger, observe, started)
+    if asked.verify_choice:
+        held = [say_verified(console, final) for final in finals]
+        return 0 if all(held) else 1
+    say_outcomes(console, outcomes, ledger)
+    console.print(f"store: {asked.place}", highlight=False, soft_wrap=True)
+    return 0 if all(outcome.final is not None for outcome in outcomes) else 1
+
+
+def _say_stopped(asked: Asked) -> None:
+    Console(stderr=True).print(
+        f"carom: stopped; all that was measured is kept in {asked.place}, and the same command "
+        "goes on from there",
+        highlight=False,
+        soft_wrap=True,
+    )
+
+
+def _target(asked: Asked) -> Target:
+    """The target; one that is not this host's CPU can be timed by a cluster alone."""
+    target, host = resolve_target(asked.target)
+    is_host = host.target.name == target.name and host.exact
+    if not is_host and asked.scheduler is None:
+        raise InputError(
+            f"--target {asked.target}: this host is {host.cpu} ({host.target.name}), and a time "
+            "taken on another CPU is never the target's; use native, or --scheduler"
+        )
+    return target
+
+
+def _contests(asked: Asked, target: Target, model: str, max_error: float) -> tuple[Contest, ...]:
+    """Fixed steps and an error budget, scalar and batch calls, or what was asked for of these."""
+    both = asked.steps is None and asked.max_error is None
+    steps = asked.steps if asked.steps is not None else STEPS
+    budget = asked.max_error if asked.max_error is not None else max_error
+    plan_for(budget)
+    goals: list[tuple[int | None, float | None]] = []
+    if both or asked.max_error is not None:
+        goals.append((None, budget))
+    if both or asked.steps is not None:
+        goals.append((steps, None))
+    return tuple(
+        Contest(target.name, asked.scene, model, *goal, call)  # type: ignore[arg-type]
+        for call in ("scalar", "batch")
+        if asked.call in (None, call)
+        for goal in goals
+    )
+
+
+@contextmanager
+def _lab(asked: Asked, target: Target, model: str) -> Iterator[Lab]:
+    with workbench(quiet=True) as bench:
+        yield LocalLab(Station(bench, asked.scene, model), target)

@@ -1,0 +1,225 @@
+"""One contest of a sweep: waves of variants built side by side, then timed one by one."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from generator.choice.workbench import Candidate
+from generator.errors import KernelError
+from generator.sweep.figures import errors_of, times_of
+from generator.sweep.lab import Lab
+from generator.sweep.ladder import RUNGS, Entry, by_ratio, promoted
+from generator.sweep.ledger import Ledger, candidate_hash, source_hash
+from generator.sweep.record import Depends, Rejection, Trial
+from generator.sweep.search import Search
+from generator.sweep.space import Contest
+from generator.sweep.station import BLOCK_MS, TimingJob, rejection_of
+from generator.timing.ratios import timing_run
+from generator.variants.names import name_of
+from generator.variants.variant import Variant
+
+WAVE = 16
+TRIAL_SECONDS = 20.0  # a timing ends then, whatever its rounds
+
+
+@dataclass(frozen=True)
+class Budget:
+    """When to stop: a time of the monotonic clock, or a number of new trials, or both."""
+
+    deadline: float | None
+    trials: int | None
+
+    def over(self, made: int) -> bool:
+        late = self.deadline is not None and time.monotonic() >= self.deadline
+        return late or (self.trials is not None and made >= self.trials)
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a display may show, after each trial and each step of the work."""
+
+    contest: Contest
+    doing: str
+    tried: int
+    reused: int
+    rejected: int
+    best: str
+    best_ratio: float | None
+
+
+Observer = Callable[[Progress], None]
+
+
+@dataclass
+class Exploration:
+    """The entries of a contest, by name of the variant, and how they came about."""
+
+    contest: Contest
+    search: Search
+    baseline: Candidate  # built and verified
+    lab: Lab
+    ledger: Ledger
+    budget: Budget
+    observe: Observer
+    entries: dict[str, Entry] = field(default_factory=dict)
+    rejected: Counter[str] = field(default_factory=Counter)
+    tried: int = 0  # new trials on the lowest rung
+    complete: bool = False  # the search had nothing left to propose
+    _candidates: dict[str, Candidate] = field(default_factory=dict)
+
+    def run(self) -> None:
+        """Waves until the search has nothing left or the budget is used up."""
+        while not self.budget.over(self.tried):
+            wave = self.search.next_wave(WAVE, [(e.variant, e.ratio) for e in self.ranked()])
+            if not wave:
+                self.complete = True
+                break
+            self._first_rung(wave)
+            for rung in range(len(RUNGS) - 1):
+                self._next_rung(promoted(list(self.entries.values()), rung))
+
+    def ranked(self) -> list[Entry]:
+        """What may be chosen, fastest first."""
+        return by_ratio(list(self.entries.values()))
+
+    def built(self, entries: Sequence[Entry]) -> list[Candidate]:
+        """Their candidates with libraries, which an earlier run may have left out or lost."""
+        candidates = [self._candidate(e.variant) for e in entries]
+        for candidate, rejection in self.lab.build([c for c in candidates if c.library is None]):
+            if rejection is not None:
+                raise KernelError(
+                    f"{candidate.name} was built and verified before, and is not now: "
+                    f"{rejection.text}; run with --fresh"
+                )
+        return candidates
+
+    def still_holds(self, entry: Entry) -> bool:
+        """Does what the figures of an entry depend on stand as it did?"""
+        now = self._depends(self._candidate(entry.variant), entry.last.rung)
+        return entry.last.depends == now
+
+    def note_constraints(self, variant: Variant) -> None:
+        """Keep why the illegal ones of all that are one option from a variant are illegal."""
+        for other in self.search.space.steps_from(variant):
+            rule = self.search.space.broken(other)
+            if rule is not None:
+                self.rejected["constraint"] += 1
+                self.ledger.constraint(self.contest.subject(other), rule.name, rule.reason)
+
+    def tell(self, doing: str) -> None:
+        ranked = self.ranked()
+        best = ranked[0] if ranked else None
+        self.observe(
+            Progress(
+                contest=self.contest,
+                doing=doing,
+                tried=self.tried,
+                reused=self.ledger.reused,
+                rejected=sum(n for why, n in self.rejected.items() if why != "constraint"),
+                best=best.last.subject.name if best else "",
+                best_ratio=best.ratio if best else None,
+            )
+        )
+
+    # -- one wave --
+
+    def _first_rung(self, wave: Sequence[Variant]) -> None:
+        new: list[Candidate] = []
+        for variant in wave:
+            self.tell("emitting")
+            candidate = self._candidate(variant)
+            found = self._found(candidate, 0)
+            if found is None:
+                new.append(candidate)
+            else:
+                self._enter(variant, found)
+        if self.budget.trials is not None:
+            new = new[: self.budget.trials - self.tried]
+        self._try(new)
+
+    def _try(self, new: Sequence[Candidate]) -> None:
+        ready: set[str] = set()
+        self.tell(f"building {len(new)}")
+        for candidate, rejection in self.lab.build(new):
+            if rejection is None:
+                ready.add(candidate.name)
+            else:
+                self._keep(candidate, 0, rejection=rejection)
+            self.tell("building")
+        for candidate in new:  # in their order, not in that of the compiler
+            if candidate.name in ready:
+                self._time(candidate, 0)
+                self.tell("timing")
+
+    def _next_rung(self, entries: Sequence[Entry]) -> None:
+        missing = []
+        for entry in entries:
+            found = self._found(self._candidate(entry.variant), entry.rung + 1)
+            if found is None:
+                missing.append(entry)
+            else:
+                entry.trials.append(found)
+        for entry, candidate in zip(missing, self.built(missing), strict=True):
+            self.tell(f"timing for longer ({RUNGS[entry.rung + 1]} rounds)")
+            self._time(candidate, entry.rung + 1)
+
+    def _time(self, candidate: Candidate, rung: int) -> None:
+        kernels = {c.name: c for c in (self.baseline, candidate)}
+        job = TimingJob(tuple(kernels.values()), RUNGS[rung], TRIAL_SECONDS)
+        try:
+            run = timing_run(self.lab.time(job))
+        except KernelError as error:
+            self._keep(candidate, rung, rejection=rejection_of(error))
+        else:
+            self._keep(candidate, rung, times=times_of(run, candidate.name))
+
+    # -- records --
+
+    def _candidate(self, variant: Variant) -> Candidate:
+        name = name_of(variant)
+        if name not in self._candidates:
+            self._candidates[name] = next(iter(self.lab.candidates([variant])))
+        return self._candidates[name]
+
+    def _depends(self, candidate: Candidate, rung: int) -> Depends:
+        rules = self.lab.rules(candidate.variant.stepper.steps)
+        return Depends(
+            source=source_hash(candidate.source),
+            compiler=candidate.compiler.version,
+            flags=candidate.flags,
+            cpu=self.lab.cpu,
+            goal=candidate.variant.stepper.goal,
+            call=self.contest.call,
+            cases=rules.cases,
+            rules=rules.rules,
+            bench=rules.bench,
+            baseline=candidate_hash(self.baseline),
+            timing=f"{RUNGS[rung]} rounds, blocks of {BLOCK_MS:g} ms",
+        )
+
+    def _found(self, candidate: Candidate, rung: int) -> Trial | None:
+        subject = self.contest.subject(candidate.variant)
+        return self.ledger.find(subject, self._depends(candidate, rung), rung)
+
+    def _keep(self, candidate: Candidate, rung: int, **figures: object) -> None:
+        library = candidate.library
+        trial = self.ledger.trial(
+            self.contest.subject(candidate.variant),
+            self._depends(candidate, rung),
+            rung,
+            build_seconds=None if library is None or library.hit else round(library.seconds, 3),
+            errors=errors_of(candidate),
+            **figures,
+        )
+        self.tried += rung == 0
+        self._enter(candidate.variant, trial)
+
+    def _enter(self, variant: Variant, trial: Trial) -> None:
+        entry = self.entries.setdefault(name_of(variant), Entry(variant))
+        entry.trials.append(trial)
+        rejection: Rejection | None = trial.rejection
+        if rejection is not None:
+            self.rejected[rejection.reason] += 1

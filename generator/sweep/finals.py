@@ -1,0 +1,179 @@
+"""The best of a contest interleaved: which is chosen, and whether that holds.
+
+A final is timed in several processes, since where the loader puts a library shifts its time by more
+than the rounds of one process tell. Intervals are the range of what the processes gave.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from generator.choice.workbench import Candidate
+from generator.errors import KernelError
+from generator.sweep.explore import Exploration
+from generator.sweep.figures import errors_of, rounded, times_of
+from generator.sweep.ladder import Entry, finalists
+from generator.sweep.ledger import candidate_hash
+from generator.sweep.record import Final, Finalist, digest
+from generator.sweep.station import BLOCK_MS, TimingJob
+from generator.timing.ratios import Interval, TimingRun, control_band, joined, timing_run
+
+PROCESSES = 6  # the range of six covers the median in 97 of 100
+FINAL_ROUNDS = 60  # in each
+FINAL_SECONDS = 8.0
+NEGLIGIBLE = 1.01  # of the ties, the choice is among those that lose no more than this
+CLEARLY = 1.03  # a kernel that is faster than the choice by more than this beats it
+
+Purpose = Literal["choice", "verify-choice"]
+
+
+@dataclass(frozen=True)
+class Beaten:
+    """A kernel that was faster than the choice in a re-timing; `gain` of 1.05 is by 5 %."""
+
+    name: str
+    gain: float
+    clear: bool
+
+
+@dataclass(frozen=True)
+class Rounds:
+    """The processes of a final."""
+
+    runs: tuple[TimingRun, ...]
+    whole: TimingRun
+
+    def ratio(self, name: str, other: str) -> tuple[float, Interval]:
+        """The median of the processes' median ratios, and their range."""
+        times = [run.throughput.ns for run in self.runs]
+        medians = [float(np.median(ns[name] / ns[other])) for ns in times]
+        return float(np.median(medians)), (min(medians), max(medians))
+
+    def fastest(self, names: Sequence[str]) -> str:
+        """The one that is furthest below the mean of all of them in its rounds."""
+        logs = [{name: np.log(run.throughput.ns[name]) for name in names} for run in self.runs]
+        means = [np.mean(list(each.values()), axis=0) for each in logs]
+
+        def place(name: str) -> float:
+            medians = [np.median(log[name] - mean) for log, mean in zip(logs, means, strict=True)]
+            return float(np.median(medians))
+
+        return min(names, key=lambda name: (place(name), name))
+
+    def control(self) -> Interval:
+        """The A/A band over all rounds."""
+        return control_band(self.whole)
+
+    def ties(self, name: str, best: str) -> bool:
+        """Can a kernel not be told from the fastest? As timing.ratios has it, over processes."""
+        ratio, (least, most) = self.ratio(name, best)
+        low, high = self.control()
+        return low <= ratio <= high or least <= 1 <= most
+
+
+def choose(exploration: Exploration) -> Final | None:
+    """The choice among the finalists, from the store if the same were timed before."""
+    entries = finalists(list(exploration.entries.values()))
+    return hold(exploration, entries, "choice") if entries else None
+
+
+def hold(
+    exploration: Exploration,
+    entries: Sequence[Entry],
+    purpose: Purpose,
+    rounds: int = FINAL_ROUNDS,
+    chosen: str = "",
+) -> Final:
+    """Time entries against each other. `chosen`: the choice that is looked at again."""
+    exploration.tell(f"timing {len(entries)} against each other")
+    candidates = exploration.built(entries)
+    key = _key(exploration, candidates, rounds, purpose)
+    known = exploration.ledger.find_final(key) if purpose == "choice" else None
+    if known is not None:
+        return known
+    timed = _timed(exploration, candidates, rounds)
+    best = timed.fastest([c.name for c in candidates])
+    rows = [
+        _finalist(exploration, entry, candidate, timed, best)
+        for entry, candidate in zip(entries, candidates, strict=True)
+    ]
+    close = [row for row in rows if row.tie and row.to_fastest <= NEGLIGIBLE]
+    preferred = min(close, key=lambda row: (row.distance, row.subject.name)).subject.name
+    return exploration.ledger.final(
+        key,
+        contest=exploration.contest.name,
+        purpose=purpose,
+        chosen=chosen or preferred,
+        fastest=best,
+        finalists=tuple(sorted(rows, key=lambda row: (row.to_fastest, row.subject.name))),
+        rounds=timed.whole.rounds,
+        processes=len(timed.runs),
+        control=timed.control(),
+    )
+
+
+def _timed(exploration: Exploration, candidates: Sequence[Candidate], rounds: int) -> Rounds:
+    """All of them in each process, in another order each time, the baseline always first."""
+    first, runs = exploration.baseline, []
+    others = [c for c in candidates if c.name != first.name]
+    for number in range(PROCESSES):
+        exploration.tell(f"timing {len(candidates)} together, process {number + 1} of {PROCESSES}")
+        shift = number * len(others) // PROCESSES
+        order = (first, *others[shift:], *others[:shift])
+        job = TimingJob(order, rounds, FINAL_SECONDS)
+        runs.append(timing_run(exploration.lab.time(job)))
+    return Rounds(tuple(runs), joined(runs))
+
+
+def _key(
+    exploration: Exploration, candidates: Sequence[Candidate], rounds: int, purpose: Purpose
+) -> str:
+    rules = exploration.lab.rules(candidates[0].variant.stepper.steps)
+    return digest(
+        [
+            sorted(candidate_hash(c) for c in candidates),
+            candidate_hash(exploration.baseline),
+            exploration.lab.cpu,
+            exploration.contest.call,
+            [purpose, rounds, PROCESSES, BLOCK_MS, rules.cases, rules.bench],
+        ]
+    )
+
+
+def _finalist(
+    exploration: Exploration, entry: Entry, candidate: Candidate, timed: Rounds, best: str
+) -> Finalist:
+    ratio, (low, high) = timed.ratio(candidate.name, best)
+    errors = errors_of(candidate)
+    return Finalist(
+        subject=exploration.contest.subject(entry.variant),
+        times=times_of(timed.whole, candidate.name),
+        to_fastest=rounded(ratio),
+        to_fastest_ci=(rounded(low), rounded(high)),
+        distance=entry.variant.distance_from_default(),
+        max_rel_error=errors.max_rel_error if errors else None,
+        tie=timed.ties(candidate.name, best),
+    )
+
+
+def row_of(final: Final, name: str) -> Finalist:
+    """A finalist by the name it had then."""
+    for row in final.finalists:
+        if row.subject.name == name:
+            return row
+    raise KernelError(f"{name} was not timed in this final")
+
+
+def beaten_by(final: Final) -> list[Beaten]:
+    """Kernels that were faster than the choice, and whether clearly: by more than 3 %."""
+    own = row_of(final, final.chosen).to_fastest
+    found = []
+    for row in final.finalists:
+        gain = own / row.to_fastest
+        if row.subject.name != final.chosen and gain > 1:
+            found.append(Beaten(row.subject.name, gain, gain > CLEARLY))
+    return found

@@ -1,0 +1,87 @@
+"""Where a sweep's jobs are done: here, or on a cluster. Compiling side by side, timing alone."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from typing import Any, Protocol
+
+from generator.choice.workbench import Candidate
+from generator.sweep.record import Rejection
+from generator.sweep.station import Rules, Station, TimingJob
+from generator.targets.target import Target
+from generator.variants.variant import Variant
+
+
+class Lab(Protocol):
+    """What a sweep needs done. Candidates get their library and verdict in place."""
+
+    @property
+    def cpu(self) -> str:
+        """The target and the model name of the CPU that times."""
+
+    @property
+    def compilers(self) -> dict[str, str]:
+        """Versions by axis code."""
+
+    def rules(self, steps: int | None) -> Rules:
+        """What figures depend on besides the kernel."""
+
+    def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
+        """Emitted, one after the other; libraries are made by `build`."""
+
+    def build(
+        self, candidates: Sequence[Candidate]
+    ) -> Iterator[tuple[Candidate, Rejection | None]]:
+        """Compile and verify, side by side; each as it is done. Nothing runs when it ends."""
+
+    def time(self, job: TimingJob) -> dict[str, Any]:
+        """What carom_bench measured, alone on the machine, as far as that is ours to say.
+
+        Raises KernelError where a kernel of the job ends it.
+        """
+
+
+class LocalLab:
+    """This machine."""
+
+    def __init__(self, station: Station, target: Target, workers: int | None = None) -> None:
+        self.station = station
+        self.target = target
+        self.workers = workers or os.cpu_count() or 1
+        self.cpu = f"{target.name}, {station.host().cpu}"
+        self.compilers = {c.code: c.version for c in station.bench.compilers.values()}
+
+    def rules(self, steps: int | None) -> Rules:
+        return self.station.rules(steps)
+
+    def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
+        for variant in variants:
+            yield from self.station.bench.prepare([variant], self.target)
+
+    def build(
+        self, candidates: Sequence[Candidate]
+    ) -> Iterator[tuple[Candidate, Rejection | None]]:
+        def work(candidate: Candidate) -> Rejection | None:
+            return self.station.compile(candidate) or self.station.verify(candidate)
+
+        for steps in {c.variant.stepper.steps for c in candidates}:
+            self.station.expected(steps)  # made once, not by each thread
+        yield from side_by_side(work, candidates, self.workers)
+
+    def time(self, job: TimingJob) -> dict[str, Any]:
+        return self.station.time(job)
+
+
+def side_by_side(
+    work: Callable[[Candidate], Rejection | None], candidates: Sequence[Candidate], workers: int
+) -> Iterator[tuple[Candidate, Rejection | None]]:
+    """Each candidate with its result as it is done; an interruption drops what has not begun."""
+    pool = ThreadPoolExecutor(workers)
+    try:
+        futures = {pool.submit(work, candidate): candidate for candidate in candidates}
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)

@@ -1,0 +1,179 @@
+"""What a run knows from its store, and what it adds: each trial is looked up before it is made."""
+
+from __future__ import annotations
+
+import platform
+import re
+from collections import Counter
+from collections.abc import Mapping
+from datetime import UTC, datetime
+
+from generator.choice.workbench import Candidate
+from generator.emission.kernel_source import KernelSource
+from generator.sweep.record import (
+    Depends,
+    Final,
+    Rejection,
+    Run,
+    Subject,
+    Trial,
+    digest,
+    trial_key,
+)
+from generator.sweep.store import ResultStore
+from generator.variants.axes import axis
+from generator.variants.names import symbol_of
+
+_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+
+
+def source_hash(source: KernelSource) -> str:
+    """Hash of a kernel's code: not of comments, of layout or of its own name."""
+    texts = []
+    for text in (source.header, source.source, source.probe):
+        plain = _COMMENT.sub(" ", text)
+        for name in (source.source_name, symbol_of(source.source_name)):
+            plain = plain.replace(name, "KERNEL")
+        texts.append(" ".join(plain.split()))
+    return digest(texts)
+
+
+def candidate_hash(candidate: Candidate) -> str:
+    """Hash of code, compiler and flags."""
+    compiled = [candidate.compiler.version, *candidate.flags]
+    return digest([source_hash(candidate.source), compiled])
+
+
+def now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def _default(key: str) -> str:
+    try:
+        return axis(key).default
+    except KeyError:
+        return ""
+
+
+def identity(subject: Subject) -> str:
+    """What makes two records tell of the same variant, though a figure may not hold any more.
+
+    Options at their default are left out: those of an axis that is newer than a record are, too.
+    """
+    options = sorted((k, code) for k, code in subject.options.items() if code != _default(k))
+    return digest([subject.contest, subject.stepper, subject.width, options])
+
+
+class Ledger:
+    """The trials of a store by key, and appending to it in the name of one run.
+
+    `fresh`: what the store has is not looked at.
+    """
+
+    def __init__(self, store: ResultStore, run: Run, fresh: bool = False) -> None:
+        self._store = store
+        self._run = run
+        self._fresh = fresh
+        self._trials: dict[str, Trial] = {}
+        self._finals: dict[str, Final] = {}
+        self._newest: dict[str, Trial] = {}
+        self.made = self.reused = 0
+        self.unused: Counter[str] = Counter()
+        for trial in store.trials():
+            self._note(trial)
+        for final in store.finals():
+            if not fresh:
+                self._finals[final.key] = final
+        store.append(run)
+
+    def _note(self, trial: Trial) -> None:
+        self._newest[identity(trial.subject)] = trial
+        if not self._fresh:
+            self._trials[trial.key] = trial
+
+    def find(self, subject: Subject, depends: Depends, rung: int) -> Trial | None:
+        """The trial of an earlier run, or None; then `unused` says why one that was stored is not.
+
+        On rung 0, as the reason is the same on all others.
+        """
+        found = self._trials.get(trial_key(depends, rung))
+        if found is not None:
+            self.reused += 1
+            return found
+        stale = self._newest.get(identity(subject))
+        if stale is not None and rung == 0:
+            self.unused[self._why(stale, depends)] += 1
+        return None
+
+    def _why(self, stale: Trial, depends: Depends) -> str:
+        if self._fresh:
+            return "--fresh was given"
+        if stale.depends is None:
+            return "it was illegal then"
+        parts = []
+        for name in stale.depends.differences(depends):
+            before, after = getattr(stale.depends, name), getattr(depends, name)
+            if name == "flags":
+                before, after = " ".join(before), " ".join(after)
+            short = name in ("compiler", "cpu", "flags", "timing", "goal", "call")
+            parts.append(f"{name}: {before}, now {after}" if short else f"another {name}")
+        return "; ".join(parts) or "no trial of this rung"
+
+    def _head(self, key: str) -> dict[str, str]:
+        return {"key": key, "run": self._run.id, "made_at": now(), "machine": platform.node()}
+
+    def trial(
+        self,
+        subject: Subject,
+        depends: Depends,
+        rung: int,
+        **figures: object,
+    ) -> Trial:
+        """Keep a trial; see the fields of `Trial` for the figures."""
+        key = trial_key(depends, rung)
+        body = {"rejection": None, "build_seconds": None, "errors": None, "times": None, **figures}
+        made = Trial(**self._head(key), subject=subject, depends=depends, rung=rung, **body)
+        return self._kept(made.sealed())
+
+    def constraint(self, subject: Subject, rule: str, text: str) -> None:
+        """Keep, once, that a combination is illegal."""
+        key = digest(["constraint", identity(subject), rule])
+        if key in self._trials:
+            return
+        rejection = Rejection(reason="constraint", text=f"{rule}: {text}")
+        nothing: dict[str, None] = dict.fromkeys(("depends", "build_seconds", "errors", "times"))
+        made = Trial(
+            **self._head(key), subject=subject, rung=0, rejection=rejection, **nothing
+        ).sealed()
+        self._store.append(made)
+        self._trials[key] = made
+
+    def _kept(self, made: Trial) -> Trial:
+        self._store.append(made)
+        self._trials[made.key] = made
+        self._newest[identity(made.subject)] = made
+        self.made += 1
+        return made
+
+    def find_final(self, key: str) -> Final | None:
+        return self._finals.get(key)
+
+    def final(self, key: str, **figures: object) -> Final:
+        """Keep a final; see the fields of `Final`."""
+        made: Final = Final(**self._head(key), **figures).sealed()  # type: ignore[arg-type]
+        self._store.append(made)
+        self._finals[key] = made
+        return made
+
+
+def new_run(command: str, seed: int, cpu: str, target: str, compilers: Mapping[str, str]) -> Run:
+    """The record of a run that begins now."""
+    from generator import __version__
+
+    head = {"made_at": now(), "machine": platform.node(), "command": command, "seed": seed}
+    body = {**head, "cpu": cpu, "target": target, "compilers": dict(compilers)}
+    key = digest(body)
+    run: Run = Run(
+        key=key, run=key, system=platform.platform(), version=__version__, **body
+    ).sealed()
+    return run

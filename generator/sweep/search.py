@@ -1,0 +1,118 @@
+"""Which variants to try next: known good ones, each option once, then what promises most."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from random import Random
+
+import numpy as np
+from numpy.typing import NDArray
+
+from generator.sweep.space import Space
+from generator.variants.names import name_of
+from generator.variants.variant import Variant
+
+LEADERS = 5  # the best so far, all of whose neighbours are tried
+_RANDOM_SHARE = 6  # one in so many is drawn at random, against a search that sees only one valley
+_RIDGE = 0.1
+
+
+def features(variant: Variant) -> tuple[str, ...]:
+    """What a variant is made of, for the model of times."""
+    head = (f"stepper={variant.stepper.name}", f"width={variant.width}")
+    return (*head, *(f"{key}={code}" for key, code in variant.options))
+
+
+@dataclass(frozen=True)
+class EffectModel:
+    """log(ratio) as a sum over options: least squares, drawn a little towards no effect."""
+
+    mean: float
+    effects: Mapping[str, float]
+
+    @staticmethod
+    def fit(ratios: Sequence[tuple[Variant, float]]) -> EffectModel:
+        logs = np.log([ratio for _, ratio in ratios])
+        names = sorted({name for variant, _ in ratios for name in features(variant)})
+        column = {name: index for index, name in enumerate(names)}
+        design = np.zeros((len(ratios), len(names)))
+        for row, (variant, _) in enumerate(ratios):
+            design[row, [column[name] for name in features(variant)]] = 1.0
+        mean = float(logs.mean())
+        normal: NDArray[np.float64] = design.T @ design + _RIDGE * np.eye(len(names))
+        solved = np.linalg.solve(normal, design.T @ (logs - mean))
+        return EffectModel(mean, dict(zip(names, solved.tolist(), strict=True)))
+
+    def ratio(self, variant: Variant) -> float:
+        """The ratio that the model expects."""
+        return math.exp(self.mean + sum(self.effects.get(name, 0.0) for name in features(variant)))
+
+
+@dataclass
+class Search:
+    """Proposals for one contest, in waves. Each variant is proposed once.
+
+    First the seeds, and random variants until every option has been tried; then waves out of what
+    lies one option from the leaders and two from the best, in the order that the model of times
+    gives, with some random ones among them. It ends where that neighbourhood has been tried.
+    """
+
+    space: Space
+    seeds: Iterable[Variant]
+    random: Random
+    exhaustive: bool = False
+    proposed: set[str] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        first = self.space.everything() if self.exhaustive else self._first()
+        self._first_ones: Iterator[Variant] = iter(first)
+
+    def next_wave(self, size: int, ratios: Sequence[tuple[Variant, float]]) -> list[Variant]:
+        """Up to `size` variants; none where all is done. `ratios`: what was timed, best first."""
+        wave: list[Variant] = []
+        for variant in self._first_ones:
+            if self._is_new(variant):
+                wave.append(variant)
+            if len(wave) == size:
+                return wave
+        if self.exhaustive or not ratios:
+            return wave
+        return wave + self._promising(size - len(wave), ratios)
+
+    def _first(self) -> Iterator[Variant]:
+        yield from (variant for variant in self.seeds if self.space.has(variant))
+        for axis, codes in self.space.axes():
+            for code in codes:
+                drawn = self.space.drawn(self.random, **{axis.key: code})
+                if drawn is not None:
+                    yield drawn
+
+    def _is_new(self, variant: Variant) -> bool:
+        name = name_of(variant)
+        new = name not in self.proposed
+        self.proposed.add(name)
+        return new
+
+    def _promising(self, size: int, ratios: Sequence[tuple[Variant, float]]) -> list[Variant]:
+        near = self._near([variant for variant, _ in ratios[:LEADERS]])
+        if not near:
+            return []
+        model = EffectModel.fit(ratios)
+        ranked = sorted(near.items(), key=lambda item: (model.ratio(item[1]), item[0]))
+        chosen = dict(ranked[: size - size // _RANDOM_SHARE])
+        for _ in range(size - len(chosen)):
+            drawn = self.space.drawn(self.random)
+            if drawn is not None and name_of(drawn) not in self.proposed:
+                chosen.setdefault(name_of(drawn), drawn)
+        self.proposed.update(chosen)
+        return list(chosen.values())
+
+    def _near(self, leaders: Sequence[Variant]) -> dict[str, Variant]:
+        """What was not proposed yet of all one option from the leaders, and two from the best."""
+        first = self.space.neighbours(leaders[0])
+        second = [far for one in first for far in self.space.neighbours(one)]
+        others = [one for leader in leaders[1:] for one in self.space.neighbours(leader)]
+        found = {name_of(variant): variant for variant in (*first, *others, *second)}
+        return {name: v for name, v in found.items() if name not in self.proposed}

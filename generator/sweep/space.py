@@ -1,0 +1,175 @@
+"""What a sweep may try: every legal variant of a contest, one step from another, or drawn."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from random import Random
+
+from generator.errors import InputError
+from generator.steppers.budgets import tableaus_for
+from generator.sweep.record import Call, Subject
+from generator.targets.target import Target
+from generator.variants.axes import AXES, Axis, axes_of
+from generator.variants.names import name_of
+from generator.variants.rules import Rule, broken_rule
+from generator.variants.variant import Stepper, Variant, make_variant
+
+_DRAWS = 20_000  # about a tenth of all combinations are legal
+
+
+@dataclass(frozen=True)
+class Contest:
+    """What is held fixed: the kernels of a contest answer the same question."""
+
+    target: str
+    scene: str
+    model: str
+    steps: int | None  # fixed steps, or
+    budget: float | None  # an error budget
+    call: Call
+
+    @property
+    def family(self) -> str:
+        return "euler" if self.steps is not None else "exact"
+
+    @property
+    def name(self) -> str:
+        """As `Subject.contest`."""
+        goal = f"n{self.steps}" if self.steps is not None else f"e{self.budget:g}"
+        return f"{self.target}/{self.scene}/{self.model}/{goal}/{self.call}"
+
+    def steppers(self) -> tuple[Stepper, ...]:
+        if self.steps is not None:
+            return (Stepper("euler", steps=self.steps),)
+        assert self.budget is not None
+        return tuple(Stepper(name, budget=self.budget) for name in tableaus_for(self.budget))
+
+    def subject(self, variant: Variant) -> Subject:
+        """The variant as a record has it."""
+        return Subject(
+            name=name_of(variant),
+            target=variant.target,
+            scene=variant.scene,
+            model=variant.model,
+            stepper=variant.stepper.name,
+            steps=variant.stepper.steps,
+            budget=variant.stepper.budget,
+            width=variant.width,
+            options=dict(variant.options),
+            call=self.call,
+        )
+
+
+@dataclass(frozen=True)
+class Space:
+    """The legal variants of a contest, as the registry has them now.
+
+    `only`: codes that an axis may have, for axes that are not free. `compilers`: codes of those
+    that are here. A new axis or code of the registry is in it without a change here.
+    """
+
+    contest: Contest
+    target: Target
+    compilers: tuple[str, ...]
+    widths: tuple[int, ...]
+    only: Mapping[str, tuple[str, ...]]
+
+    def axes(self) -> tuple[tuple[Axis, tuple[str, ...]], ...]:
+        """The axes of the family, each with the codes that it may have here."""
+        found = []
+        for axis in axes_of(self.contest.family):
+            codes = self.only.get(axis.key, axis.codes())
+            if axis.key == "compiler":
+                codes = tuple(code for code in codes if code in self.compilers)
+            found.append((axis, codes))
+        return tuple(found)
+
+    def broken(self, variant: Variant) -> Rule | None:
+        """The rule that a variant breaks on the target."""
+        return broken_rule(variant, self.target)
+
+    def has(self, variant: Variant) -> bool:
+        """Is it one of this space: legal, and within `only`?"""
+        inside = variant.width in self.widths and variant.stepper in self.contest.steppers()
+        within = all(variant[axis.key] in codes for axis, codes in self.axes())
+        return inside and within and self.broken(variant) is None
+
+    def everything(self) -> Iterator[Variant]:
+        """All legal variants, in the order of the registry."""
+        axes = self.axes()
+        keys = [axis.key for axis, _ in axes]
+        for stepper, width in itertools.product(self.contest.steppers(), self.widths):
+            for codes in itertools.product(*(codes for _, codes in axes)):
+                options = tuple(zip(keys, codes, strict=True))
+                variant = self._variant(stepper, width, options)
+                if self.broken(variant) is None:
+                    yield variant
+
+    def steps_from(self, variant: Variant) -> Iterator[Variant]:
+        """All that differ from a variant in one option, stepper or width; legal or not."""
+        for stepper in self.contest.steppers():
+            if stepper != variant.stepper:
+                yield replace(variant, stepper=stepper)
+        for width in self.widths:
+            if width != variant.width:
+                yield replace(variant, width=width)
+        for axis, codes in self.axes():
+            for code in codes:
+                if code != variant[axis.key]:
+                    yield variant.with_options(**{axis.key: code})
+
+    def neighbours(self, variant: Variant) -> list[Variant]:
+        """Those of `steps_from` that are legal."""
+        return [other for other in self.steps_from(variant) if self.broken(other) is None]
+
+    def drawn(self, random: Random, **fixed: str) -> Variant | None:
+        """A legal variant at random, with some options as given; None where none was found."""
+        axes = self.axes()
+        if any(not codes for _, codes in axes):
+            return None
+        for _ in range(_DRAWS):
+            options = tuple(
+                (axis.key, fixed.get(axis.key) or random.choice(codes)) for axis, codes in axes
+            )
+            stepper = random.choice(self.contest.steppers())
+            variant = self._variant(stepper, random.choice(self.widths), options)
+            if self.broken(variant) is None:
+                return variant
+        return None
+
+    def _variant(
+        self, stepper: Stepper, width: int, options: tuple[tuple[str, str], ...]
+    ) -> Variant:
+        c = self.contest
+        return Variant(c.target, c.scene, c.model, stepper, width, options)
+
+
+def variant_of_subject(subject: Subject) -> Variant:
+    """The variant that a stored record was made of, in today's registry.
+
+    Axes that are newer have their default. Raises ValueError where an option is gone.
+    """
+    stepper = Stepper(subject.stepper, steps=subject.steps, budget=subject.budget)
+    return make_variant(
+        subject.target, subject.scene, subject.model, stepper, subject.width, **subject.options
+    )
+
+
+def parse_only(words: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """`--only rsqrt=inv,ahead` as axis and codes. InputError names what does not exist."""
+    known = {axis.key: axis.codes() for axis in AXES}
+    found: dict[str, tuple[str, ...]] = {}
+    for word in words:
+        key, _, listed = word.partition("=")
+        if key not in known:
+            raise InputError(f"--only {word}: no axis '{key}'; there are {', '.join(known)}")
+        codes = tuple(listed.split(","))
+        strange = [code for code in codes if code not in known[key]]
+        if strange:
+            raise InputError(
+                f"--only {word}: {key} has no '{strange[0]}'; it has {', '.join(known[key])}"
+            )
+        found[key] = codes
+    return found

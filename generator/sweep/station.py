@@ -1,0 +1,146 @@
+"""One machine that works for a sweep: it compiles, verifies and times what it is given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from filelock import FileLock
+
+from generator.choice.store import key_of
+from generator.choice.workbench import (
+    VERIFY_RANDOM,
+    VERIFY_SEED,
+    Candidate,
+    Expected,
+    Workbench,
+    verification_hash,
+)
+from generator.emission.files import write_atomically
+from generator.errors import KernelCrash, KernelError, KernelTimeout
+from generator.sweep.record import Rejection
+from generator.targets.host import Host, read_host
+from generator.timing.bench_tool import CASE_COLUMNS
+from generator.timing.plan import Array, PlannedKernel, TimingPlan
+
+BASELINE_STEPS = 1000
+KERNEL_TIMEOUT = 30.0  # seconds for a kernel over all cases; the slowest take half a second
+BLOCK_MS = 1.0
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What a station's figures depend on besides the kernel: two with the same may be compared."""
+
+    cases: str
+    rules: str
+    bench: str
+
+
+@dataclass(frozen=True)
+class TimingJob:
+    """Kernels to be timed together, the baseline first."""
+
+    candidates: tuple[Candidate, ...]
+    rounds: int
+    seconds: float  # at most
+
+    @property
+    def baseline(self) -> Candidate:
+        return self.candidates[0]
+
+
+def is_batch(candidate: Candidate) -> bool:
+    """Lanes are filled from a batch; what has one lane is called for one collision."""
+    return candidate.variant.width > 1
+
+
+@dataclass
+class Station:
+    """A workbench with the cases of one scene and model."""
+
+    bench: Workbench
+    scene: str
+    model: str
+    _expected: dict[int | None, Expected] = field(default_factory=dict)
+    _timing_cases: Array | None = None
+
+    def __post_init__(self) -> None:
+        self.bench.kernel_timeout = KERNEL_TIMEOUT
+
+    def host(self) -> Host:
+        return read_host()
+
+    def expected(self, steps: int | None) -> Expected:
+        """Cases with what must come out, for a number of fixed steps or for exact kernels."""
+        if steps not in self._expected:
+            made = self.bench.expected(self.scene, self.model, steps, VERIFY_SEED, VERIFY_RANDOM)
+            self._expected[steps] = made
+        return self._expected[steps]
+
+    def timing_cases(self) -> Array:
+        if self._timing_cases is None:
+            self._timing_cases = self.bench.timing_cases(self.scene, self.model)
+        return self._timing_cases
+
+    def rules(self, steps: int | None) -> Rules:
+        cases = key_of(self.expected(steps).key, self.timing_cases(), CASE_COLUMNS)
+        return Rules(cases, verification_hash(), self.bench.tool.executable.name)
+
+    def compile(self, candidate: Candidate) -> Rejection | None:
+        """Give a candidate its library, or say why there is none."""
+        self.bench.compile([candidate])
+        if candidate.library is not None:
+            return None
+        return Rejection(reason="compile", text=one_line(candidate.rejected))
+
+    def verify(self, candidate: Candidate) -> Rejection | None:
+        """Give a candidate that has a library its verdict."""
+        self.bench.verify([candidate], self.expected(candidate.variant.stepper.steps))
+        if not candidate.rejected:
+            return None
+        assert candidate.verdict is not None
+        reason = candidate.verdict.ended or "wrong result"
+        return Rejection(reason=reason, text=one_line(candidate.rejected))
+
+    def time(self, job: TimingJob) -> dict[str, Any]:
+        """What carom_bench measured; no other timing runs on this machine's cache meanwhile.
+
+        Raises KernelCrash or KernelTimeout where a kernel ends the process.
+        """
+        planned = []
+        for candidate in job.candidates:
+            assert candidate.library is not None
+            batch = is_batch(candidate)
+            planned.append(PlannedKernel(candidate.name, candidate.library.path, batch=batch))
+        plan = TimingPlan(
+            self.timing_cases(),
+            tuple(planned),
+            job.baseline.name,
+            rounds=job.rounds,
+            seconds=job.seconds,
+            block_ms=BLOCK_MS,
+        )
+        with FileLock(self.bench.cache / "timing.lock"):
+            return self.bench.tool.timing_document(plan)
+
+
+def rejection_of(error: KernelError) -> Rejection:
+    """Why a kernel was not timed to the end."""
+    reason = "timeout" if isinstance(error, KernelTimeout) else "crash"
+    if not isinstance(error, KernelCrash | KernelTimeout):
+        reason = "wrong result"  # the bench refused what it gave
+    return Rejection(reason=reason, text=one_line(f"timing: {error}"))  # type: ignore[arg-type]
+
+
+def one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def installed(cache: Path, key: str, content: bytes) -> Path:
+    """A library that was built on another machine, in this one's cache."""
+    path = cache / "received" / key / "kernel.so"
+    if not path.is_file():
+        write_atomically(path, content)
+    return path

@@ -1,0 +1,115 @@
+"""A whole sweep: contest after contest, each with its share of the budget, then its choice."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from random import Random
+
+from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
+from generator.choice.workbench import Candidate
+from generator.errors import InputError, KernelError
+from generator.sweep.explore import Budget, Exploration, Observer
+from generator.sweep.finals import choose, row_of
+from generator.sweep.lab import Lab
+from generator.sweep.ledger import Ledger
+from generator.sweep.record import Final
+from generator.sweep.search import Search
+from generator.sweep.space import Contest, Space, variant_of_subject
+from generator.sweep.station import BASELINE_STEPS
+from generator.targets.target import Target
+from generator.variants.variant import Variant
+
+FINAL_RESERVE = 60.0  # seconds of the budget kept for a contest's last wave and its final
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a sweep is asked for."""
+
+    target: Target
+    contests: tuple[Contest, ...]
+    widths: Mapping[str, tuple[int, ...]]  # by call
+    only: Mapping[str, tuple[str, ...]]
+    compilers: tuple[str, ...]
+    seed: int
+    exhaustive: bool
+    minutes: float | None
+    trials: int | None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a contest ended with; `final` is None where nothing passed."""
+
+    exploration: Exploration
+    final: Final | None
+
+
+def explorations(plan: Plan, lab: Lab, ledger: Ledger, observe: Observer) -> list[Exploration]:
+    """One for each contest, not begun, its baseline built. InputError where `only` leaves none."""
+    found = []
+    for contest in plan.contests:
+        widths = plan.widths[contest.call]
+        space = Space(contest, plan.target, plan.compilers, widths, plan.only)
+        random = Random(f"{plan.seed} {contest}")
+        if space.drawn(random) is None:
+            raise InputError(
+                f"--only: no legal variant of {contest.family} kernels is left for {contest.call} "
+                "calls; allow more codes (see ./gen list variants)"
+            )
+        search = Search(space, _seeds(plan, contest), random, plan.exhaustive)
+        first = _baseline(plan, contest, lab)
+        found.append(Exploration(contest, search, first, lab, ledger, Budget(None, None), observe))
+    return found
+
+
+def _baseline(plan: Plan, contest: Contest, lab: Lab) -> Candidate:
+    variant = baseline(plan.target, contest.scene, contest.model, BASELINE_STEPS, plan.compilers)
+    candidate = next(iter(lab.candidates([variant])))
+    for _candidate, rejection in lab.build([candidate]):
+        if rejection is not None:
+            raise KernelError(f"paper-initial, which all are timed against: {rejection.text}")
+    return candidate
+
+
+def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
+    """The main job's candidates in each width, those that may be chosen first."""
+    target, scene, model = plan.target, contest.scene, contest.model
+    if contest.steps is not None:
+        known = fixed_step_candidates(target, scene, model, contest.steps, plan.compilers)
+    else:
+        assert contest.budget is not None
+        known = exact_candidates(target, scene, model, contest.budget, plan.compilers)
+    known.sort(key=lambda variant: variant["flags"] != "strict")
+    return [replace(v, width=width) for width in plan.widths[contest.call] for v in known]
+
+
+def run_sweep(
+    plan: Plan, lab: Lab, ledger: Ledger, observe: Observer, started: float
+) -> list[Outcome]:
+    """Explore and choose. `started`: when the budget's minutes began, on the monotonic clock."""
+    todo = explorations(plan, lab, ledger, observe)
+    end = None if plan.minutes is None else started + 60 * plan.minutes
+    trials, outcomes = plan.trials, []
+    for number, exploration in enumerate(todo):
+        left = len(todo) - number
+        exploration.budget = _share(end, trials, left)
+        exploration.run()
+        if trials is not None:
+            trials -= exploration.tried
+        final = choose(exploration)
+        if final is not None:
+            exploration.note_constraints(variant_of_subject(row_of(final, final.chosen).subject))
+        outcomes.append(Outcome(exploration, final))
+    return outcomes
+
+
+def _share(end: float | None, trials: int | None, left: int) -> Budget:
+    """An equal part of what is left; what a contest does not use goes to those after it."""
+    deadline = None
+    if end is not None:
+        now = time.monotonic()
+        deadline = now + (end - now) / left - FINAL_RESERVE
+    return Budget(deadline, None if trials is None else -(-trials // left))
