@@ -84,7 +84,7 @@ def gen(
 
 
 def _register() -> None:
-    from generator.cli import bench, collide, explain, listing, plot, sweep
+    from generator.cli import bench, collide, explain, listing, plot, sweep, vendor
 
     for command in (
         bench.bench,
@@ -93,6 +93,7 @@ def _register() -> None:
         listing.list_rows,
         plot.plot,
         sweep.sweep,
+        vendor.vendor,
     ):
         gen.add_command(command)
 

@@ -37,11 +37,16 @@ class Estimate:
     relative_error: float
 
 
+def compiled_features(target: Target) -> tuple[str, ...]:
+    """What code for a target may use beyond its architecture's baseline."""
+    if target.row.arch != "x86_64":
+        return ()
+    return tuple(feature for feature in _PRAGMA_FEATURES if target.has(feature))
+
+
 def pragma_target(target: Target) -> str:
     """Comma-separated features for a target pragma; empty where none is needed."""
-    if target.row.arch != "x86_64":
-        return ""
-    return ",".join(feature for feature in _PRAGMA_FEATURES if target.has(feature))
+    return ",".join(compiled_features(target))
 
 
 def pragmas(target: Target, contract: bool) -> tuple[str, str]:

@@ -221,6 +221,11 @@ def _fields(scene: Scene) -> tuple[tuple[Field, ...], tuple[Field, ...], tuple[F
     return fixed, tuple(free), fields
 
 
+def fields_of(scene: Scene) -> tuple[Field, ...]:
+    """The members of carom_params, in their order."""
+    return _fields(scene)[2]
+
+
 def _motions(scene: Scene, lift: bool) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
     """Inputs that a scene wants to be zero, and pairs of them that it wants to be equal."""
     zero: list[str] = []
@@ -440,7 +445,7 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
 
 def emit_header(scene: Scene, prefix: str, command: str, use: HeaderUse = _ANY_USE) -> str:
     """carom.h for one scene: the same for all its kernels, fixed steps or not."""
-    _, _, fields = _fields(scene)
+    fields = fields_of(scene)
     fixed_lines = [f"Fixed: {key} = {scene.fixed[key]!r} {UNITS[key]}" for key in scene.fixed]
     fixed_lines += _scene_lines(scene)
     values = {

@@ -18,15 +18,28 @@ _SPELLINGS = {
     "asimd": "neon",
 }
 
-# (vendor, family) or (vendor, family, model) of known CPUs.
-_KNOWN = {
-    ("AuthenticAMD", 23): "zen2",
-    ("AuthenticAMD", 25): "zen3",
-    ("AuthenticAMD", 26): "zen5",
-    ("GenuineIntel", 6, 85): "skylake-avx512",
-    ("GenuineIntel", 6, 143): "sapphirerapids",
-    ("GenuineIntel", 6, 207): "sapphirerapids",
-}
+
+@dataclass(frozen=True)
+class KnownCpu:
+    """CPUs that are known by what cpuid calls them; /proc/cpuinfo shows the same numbers."""
+
+    vendor: str
+    family: int
+    model: int | None  # None: any
+    has: str  # an instruction set that tells it from the next row, or empty
+    target: str
+
+
+# The first row that fits holds.
+KNOWN_CPUS = (
+    KnownCpu("AuthenticAMD", 23, None, "", "zen2"),
+    KnownCpu("AuthenticAMD", 25, None, "avx512f", "zen4"),
+    KnownCpu("AuthenticAMD", 25, None, "", "zen3"),
+    KnownCpu("AuthenticAMD", 26, None, "", "zen5"),
+    KnownCpu("GenuineIntel", 6, 85, "", "skylake-avx512"),
+    KnownCpu("GenuineIntel", 6, 143, "", "sapphirerapids"),
+    KnownCpu("GenuineIntel", 6, 207, "", "sapphirerapids"),
+)
 
 
 @dataclass(frozen=True)
@@ -49,12 +62,13 @@ def _fields(text: str) -> dict[str, str]:
 
 
 def _known(fields: dict[str, str]) -> str | None:
-    vendor = fields.get("vendor_id", "")
+    vendor, flags = fields.get("vendor_id", ""), fields.get("flags", "").split()
     family, model = int(fields.get("cpu family", -1)), int(fields.get("model", -1))
-    name = _KNOWN.get((vendor, family, model)) or _KNOWN.get((vendor, family))
-    if name == "zen3" and "avx512f" in fields.get("flags", ""):
-        return "zen4"
-    return name
+    for cpu in KNOWN_CPUS:
+        same = (cpu.vendor, cpu.family) == (vendor, family) and cpu.model in (None, model)
+        if same and (not cpu.has or cpu.has in flags):
+            return cpu.target
+    return None
 
 
 def read_host(cpuinfo: str | None = None) -> Host:
@@ -69,7 +83,7 @@ def read_host(cpuinfo: str | None = None) -> Host:
         return Host(cpu, features, find_target(name), exact=True)
     arch = platform.machine()
     fits = [t for t in targets().values() if t.row.arch == arch and t.features <= features]
-    generic = [t for t in fits if t.name.startswith("x86-64-v")] or fits
+    generic = [t for t in fits if t.generic] or fits
     best = max(generic, key=lambda t: len(t.features), default=None)
     if best is None:
         from generator.errors import InputError

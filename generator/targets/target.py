@@ -41,6 +41,11 @@ class Target(BaseModel):
         return feature in self.features
 
     @property
+    def generic(self) -> bool:
+        """Is it a level of instruction sets instead of one CPU?"""
+        return self.name.startswith("x86-64-v")
+
+    @property
     def has_rsqrt_estimate(self) -> bool:
         return self.has("sse2") or self.has("neon")
 

@@ -9,7 +9,7 @@ from generator.variants.variant import Variant
 # Both keep every value as IEEE 754 gives it: the first drops only the write to `errno` by sqrt (and
 # so the call to the library), the second only the promise about when exception flags are raised,
 # which allows an arithmetic operation on the side of a branch that is not taken.
-_STRICT = ("-O3", "-fno-math-errno", "-fno-trapping-math")
+STRICT = ("-O3", "-fno-math-errno", "-fno-trapping-math")
 
 # The report's own. -Ofast stands for -O3 -ffast-math: NaN, infinities and signed zeros may be
 # ignored and sums reordered. Guards against bad input in kernels must look at bits, not use isnan.
@@ -30,7 +30,7 @@ def compile_flags(variant: Variant, compiler: Compiler, target: Target) -> tuple
     if variant["flags"] == "report":
         chosen = [*_REPORT, *(f for has, f in _REPORT_SETS.items() if target.has(has))]
     else:
-        chosen = list(_STRICT)
+        chosen = list(STRICT)
     contract = "fast" if variant["fma"] == "autofma" else "off"
     march = march_flags(compiler, target).flags
     return ("-std=c++17", *chosen, *march, f"-ffp-contract={contract}")

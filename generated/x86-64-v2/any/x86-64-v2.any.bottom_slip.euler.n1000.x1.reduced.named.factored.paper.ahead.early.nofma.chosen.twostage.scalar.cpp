@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.any.bottom_slip.euler.n1000.x1.reduced.named.factored.paper.ahead.early.nofma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene any --model bottom_slip
-// inputs:   sha256 153e82f13405b89b
+// inputs:   sha256 4562e5102857d698
 #include "carom.h"
 
 #include <cmath>
@@ -160,6 +160,10 @@ inline bool enter(const Parameters& p, const double* ball1, const double* ball2,
 constexpr int kSteps = 1000;           // N
 constexpr int kMostSteps = 100000000;  // largest N accepted
 constexpr double kNoSlip = 1e-16;      // m/s: below, contact slip counts as zero
+// The work at which the loop ends, before compression has: constants, since a function that is not
+// inlined would be shared between units.
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kLargest = std::numeric_limits<double>::max();
 
 // A collision takes about 3/2 N steps at most; a loop that takes 8 N is stuck and ends.
 inline std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }
@@ -206,7 +210,7 @@ inline void iterate_level(const Parameters& p, Contact& b, int steps) {
   double v_n = v_n_0;
   double sum_dx = 0.0;
   double W = 0.0;
-  double W_f = std::numeric_limits<double>::infinity();
+  double W_f = kNever;
   std::int64_t count = 0;
   const std::int64_t limit = step_limit(steps);
 
@@ -278,7 +282,7 @@ inline bool iterate_pressed_1(const Parameters& p, Contact& b, Progress& so_far,
   double v2y = b.v2y;
 
   double W = 0.0;
-  double W_f = std::numeric_limits<double>::infinity();
+  double W_f = kNever;
   std::int64_t count = 0;
   const std::int64_t limit = step_limit(steps);
 
@@ -415,7 +419,7 @@ inline bool iterate_pressed_2(const Parameters& p, Contact& b, Progress& so_far,
   double v2y = b.v2y;
 
   double W = 0.0;
-  double W_f = std::numeric_limits<double>::infinity();
+  double W_f = kNever;
   std::int64_t count = 0;
   const std::int64_t limit = step_limit(steps);
 
@@ -557,7 +561,7 @@ inline void iterate_general(const Parameters& p, Contact& b, const Progress& so_
 
   double W = so_far.W;
   double W_f = so_far.W_f;
-  bool compressed = W_f < std::numeric_limits<double>::max();
+  bool compressed = W_f < kLargest;
   std::int64_t count = so_far.count;
   const std::int64_t limit = step_limit(steps);
 

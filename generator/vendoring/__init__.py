@@ -1,0 +1,1 @@
+"""Vendoring: kernels as a folder that builds alone in another project."""

@@ -1,0 +1,93 @@
+"""Vendoring from end to end: kernels, golden vectors, files, manifest; and verifying it again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator.choice.selection import Selected
+from generator.errors import InputError
+from generator.scenes.scene import find_scene
+from generator.timing.bench_tool import BenchTool
+from generator.vendoring.folder import HandChange, hand_changes
+from generator.vendoring.golden import golden_rows
+from generator.vendoring.kernels import Places, stored_entry
+from generator.vendoring.manifest import (
+    FILE,
+    Manifest,
+    VendoredKernel,
+    make_manifest,
+    read_manifest,
+)
+from generator.vendoring.package import package_files, unit_file
+from generator.vendoring.request import VendorRequest
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A folder against its own manifest, and against what vendoring it today would give."""
+
+    manifest: Manifest
+    by_hand: tuple[HandChange, ...]
+    outdated: tuple[str, ...]  # reasons, a line each
+
+    @property
+    def unchanged(self) -> bool:
+        return not self.by_hand and not self.outdated
+
+
+def all_files(
+    request: VendorRequest, records: Mapping[str, Selected], tool: BenchTool
+) -> dict[str, str]:
+    """Names and texts of all files, the manifest last."""
+    rows = golden_rows(tool, find_scene(request.scene), request.model, request.goal)
+    files = package_files(request, records, rows)
+    kernels = {
+        target: VendoredKernel(
+            target=target,
+            file=f"{request.prefix}.h" if request.single_header else unit_file(request, target),
+            record=records[target],
+        )
+        for target in request.targets
+    }
+    manifest = make_manifest(request, kernels, len(rows), files)
+    return {**files, FILE: manifest.text()}
+
+
+def compare(folder: Path, places: Places, tool: BenchTool) -> Comparison:
+    """Unchanged, edited by hand, out of date, or both. InputError where it is no vendored folder.
+
+    Out of date is judged by the manifest's record of each file, not by the files: so an edit does
+    not look as if the sources had changed.
+    """
+    manifest = read_manifest(folder)
+    by_hand = hand_changes(folder, manifest)
+    try:
+        request = manifest.request()
+        files = all_files(request, manifest.records(), tool)
+        reasons = [*_other_choices(request, manifest, places), *_other_files(files, manifest)]
+    except (InputError, ValueError, KeyError) as error:
+        reasons = [f"cannot be made any more: {error}"]
+    return Comparison(manifest, by_hand, tuple(reasons))
+
+
+def _other_choices(request: VendorRequest, manifest: Manifest, places: Places) -> list[str]:
+    """Targets for which another choice is stored by now."""
+    lines = []
+    for target, record in manifest.records().items():
+        stored = stored_entry(places, request, target)
+        if stored is None or stored == record:
+            continue
+        what = stored.kernel if stored.kernel != record.kernel else "other figures"
+        lines.append(f"for {target} another choice is stored: {what}")
+    return lines
+
+
+def _other_files(files: Mapping[str, str], manifest: Manifest) -> list[str]:
+    made = Manifest.model_validate_json(files[FILE])
+    names = sorted({*made.files, *manifest.files})
+    lines = [f"{n}: out of date" for n in names if made.files.get(n) != manifest.files.get(n)]
+    if not lines and made != manifest.hashed():
+        lines.append(f"{FILE}: out of date")
+    return lines

@@ -1,0 +1,163 @@
+"""manifest.json: what a vendored folder holds, what was found of it, and every file's sha256."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from generator import __version__
+from generator.choice.lookup import Goal
+from generator.choice.selection import Selected
+from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED
+from generator.emission.banner import LICENCE
+from generator.errors import InputError
+from generator.scenes.scene import find_scene
+from generator.vendoring.request import VendorRequest, make_request
+
+FILE = "manifest.json"
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Options(_Strict):
+    """The request."""
+
+    targets: tuple[str, ...]
+    scene: str
+    model: str
+    max_error: float | None
+    steps: int | None
+    prefix: str
+    single_header: bool
+
+
+class ErrorBound(_Strict):
+    """What is promised, and how it was found; each kernel has the largest error seen."""
+
+    bound: float
+    of: str
+    against: str
+    found: str
+
+
+class VendoredKernel(_Strict):
+    """The kernel of one target with the record of its choice and timing."""
+
+    target: str
+    file: str
+    record: Selected
+
+
+class Manifest(_Strict):
+    """The file. `sha256` is that of the file itself with an empty text in its place."""
+
+    schema_version: Literal[1] = 1
+    carom: str
+    licence: str
+    command: str
+    options: Options
+    error: ErrorBound
+    kernels: tuple[VendoredKernel, ...]
+    golden_cases: int
+    files: dict[str, str]
+    sha256: str
+
+    def request(self) -> VendorRequest:
+        """The request that the folder was made for. InputError where it can be made no more."""
+        o = self.options
+        goal = Goal(o.steps, o.max_error)
+        return make_request(o.targets, o.scene, o.model, goal, o.prefix, o.single_header)
+
+    def records(self) -> dict[str, Selected]:
+        return {kernel.target: kernel.record for kernel in self.kernels}
+
+    def text(self) -> str:
+        return json.dumps(self.model_dump(mode="json"), indent=2) + "\n"
+
+    def hashed(self) -> Manifest:
+        """With its own hash filled in."""
+        empty = self.model_copy(update={"sha256": ""})
+        return self.model_copy(update={"sha256": sha256_of(empty.text())})
+
+
+def sha256_of(data: str | bytes) -> str:
+    return hashlib.sha256(data.encode() if isinstance(data, str) else data).hexdigest()
+
+
+def make_manifest(
+    request: VendorRequest,
+    kernels: Mapping[str, VendoredKernel],
+    golden_cases: int,
+    files: Mapping[str, str],
+) -> Manifest:
+    """The manifest of files that were made for a request."""
+    goal = request.goal
+    manifest = Manifest(
+        carom=__version__,
+        licence=LICENCE,
+        command=request.command,
+        options=Options(
+            targets=request.targets,
+            scene=request.scene,
+            model=request.model,
+            max_error=goal.budget,
+            steps=goal.steps,
+            prefix=request.prefix,
+            single_header=request.single_header,
+        ),
+        error=_error(request),
+        kernels=tuple(kernels[target] for target in request.targets),
+        golden_cases=golden_cases,
+        files={name: sha256_of(text) for name, text in sorted(files.items())},
+        sha256="",
+    )
+    return manifest.hashed()
+
+
+def _error(request: VendorRequest) -> ErrorBound:
+    cases = "950 cases of tests/data/reference"
+    if not find_scene(request.scene).unrestricted:
+        cases += ", moved into the scene,"
+    seen = f"the {cases} and {VERIFY_RANDOM} random ones (seed {VERIFY_SEED})"
+    if request.goal.budget is None:
+        return ErrorBound(
+            bound=1e-6,
+            of="m/s, each component of v and R w",
+            against=f"the scheme with N = {request.goal.steps} in long double; cases that flip by "
+            "a step or stick apart (docs/accuracy.md)",
+            found=f"verification on {seen}; max_rel_error is the largest of them",
+        )
+    return ErrorBound(
+        bound=request.goal.budget,
+        of="the relative speed |v1 - v2| before, each component of v and R w",
+        against="the exact solution of the contact model",
+        found=f"verification on {seen} against the exact solver of tests/oracle; max_rel_error is "
+        "the largest of them, a lower bound of the largest there is (docs/accuracy.md)",
+    )
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """The manifest of a folder. Raises InputError that says what is wrong with it."""
+    path = folder / FILE
+    try:
+        document = json.loads(path.read_text("utf-8"))
+        return Manifest(**document)
+    except FileNotFoundError:
+        raise InputError(
+            f"{folder}: no {FILE} there; expected a folder that ./gen vendor has made"
+        ) from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise InputError(f"{path}: key {where}: {first['msg']}; vendor the folder anew") from None
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{path}: not a manifest: {error}; vendor the folder anew") from None

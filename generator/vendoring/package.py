@@ -1,0 +1,209 @@
+"""All files of a vendored folder but the manifest, as texts by name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from generator import __version__
+from generator.choice.selection import Selected
+from generator.emission.banner import banner, source_hash
+from generator.emission.environment import environment
+from generator.emission.formatting import format_source
+from generator.emission.kernel_source import Field, HeaderUse, Naming, emit, emit_header, fields_of
+from generator.scenes.models import find_model
+from generator.scenes.scene import Scene, find_scene
+from generator.toolchain.flags import STRICT
+from generator.variants.names import variant_of
+from generator.vendoring.dispatch import dispatch_context, guard_of, is_mixed, unit_of
+from generator.vendoring.golden import GoldenRow
+from generator.vendoring.request import VendorRequest
+
+_MACRO = re.compile(r"^#define (\w+)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class PackageContext:
+    """What the templates in templates/vendor may see, the dispatcher's apart."""
+
+    request: VendorRequest
+    scene: Scene
+    rows: tuple[GoldenRow, ...]
+    sources: tuple[str, ...]
+    header: str = ""  # for the single header: the text of the header
+    unit_texts: tuple[str, ...] = ()  # and of what is compiled
+
+    @property
+    def prefix(self) -> str:
+        return self.request.prefix
+
+    @property
+    def upper(self) -> str:
+        return self.prefix.upper()
+
+    @property
+    def version(self) -> str:
+        return __version__
+
+    @property
+    def compatibility(self) -> str:
+        """Before 1.0 a minor version may change the interface."""
+        return "SameMinorVersion" if __version__.startswith("0.") else "SameMajorVersion"
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        return self.request.targets
+
+    @property
+    def dispatched(self) -> bool:
+        return self.request.dispatched
+
+    @property
+    def fixed_step(self) -> bool:
+        return self.request.fixed_step
+
+    @property
+    def single_header(self) -> bool:
+        return self.request.single_header
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        return f"{self.prefix}.h", f"{self.prefix}.hpp"
+
+    @property
+    def selftest(self) -> str:
+        return selftest_name(self.request)
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        return STRICT
+
+    @property
+    def fields(self) -> tuple[Field, ...]:
+        return fields_of(self.scene)
+
+    @property
+    def u_b_text(self) -> str:
+        if self.scene.friction_law == "alciatore":
+            return "`u_b` must be empty: the kernel makes it"
+        return "`u_b` may be empty: then the parameters decide"
+
+    @property
+    def goal_text(self) -> str:
+        goal = self.request.goal
+        if goal.budget is None:
+            return f"by {goal.steps} fixed steps"
+        return f"exact to {goal.budget:g} of the relative speed"
+
+    @property
+    def description(self) -> str:
+        model = find_model(self.request.model).name
+        return (
+            f"Frictional collision of two billiard balls: contact model {model}, scene "
+            f"{self.scene.name}, {self.goal_text}."
+        )
+
+    @property
+    def method(self) -> str:
+        """How the golden answers were found."""
+        if self.fixed_step:
+            return (
+                f"Answers of the fixed-step scheme with N = {self.request.goal.steps} in long "
+                "double, written apart from the kernels; cases that rounding could flip by a step "
+                "are left out."
+            )
+        return (
+            "Answers of an exact solver in long double (Taylor series of high order in the full "
+            "velocities), written apart from the kernels; good to about 1e-15."
+        )
+
+
+def selftest_name(request: VendorRequest) -> str:
+    """In one header the self-test holds the implementation, and so is C++."""
+    return f"{request.prefix}_selftest.{'cpp' if request.single_header else 'c'}"
+
+
+def unit_file(request: VendorRequest, target: str) -> str:
+    return f"{request.prefix}_{unit_of(target)}.cpp"
+
+
+def package_files(
+    request: VendorRequest, kernels: Mapping[str, Selected], rows: tuple[GoldenRow, ...]
+) -> dict[str, str]:
+    """Names and texts; the same request, kernels and sources give the same bytes.
+
+    `kernels`: the chosen kernel of each target. Raises ValueError or InputError where a kernel
+    cannot be made any more.
+    """
+    units = {
+        unit_file(request, target): _unit(request, target, kernels[target].kernel)
+        for target in request.targets
+    }
+    if request.dispatched:
+        units[f"{request.prefix}_dispatch.cpp"] = _page(
+            request, "dispatch.cpp", "//", "a.cpp", d=dispatch_context(request)
+        )
+    use = HeaderUse(fixed_step=request.fixed_step, dispatched=request.dispatched)
+    scene = find_scene(request.scene)
+    header = emit_header(scene, request.prefix, request.command, use)
+    context = PackageContext(request, scene, rows, tuple(units))
+    files = {
+        "LICENSE": environment().get_template("vendor/LICENSE.j2").render(),
+        "README.md": _page(request, "README.md", "", v=context),
+        context.selftest: _page(request, "selftest.c", "/*", "a.c", v=context),
+    }
+    if request.single_header:
+        files[f"{request.prefix}.h"] = _single(request, context, header, units)
+    else:
+        files |= units
+        files[f"{request.prefix}.h"] = header
+        files[f"{request.prefix}.hpp"] = _page(request, "typed.hpp", "//", "a.hpp", v=context)
+        files["CMakeLists.txt"] = _page(request, "CMakeLists.txt", "#", v=context)
+        files[f"{request.prefix}-config.cmake"] = _page(request, "config.cmake", "#", v=context)
+        files[f"{request.prefix}.pc.in"] = _page(request, "pc.in", "#", v=context)
+    return dict(sorted(files.items()))
+
+
+def _unit(request: VendorRequest, target: str, kernel: str) -> str:
+    """One translation unit: alone, or one of several behind the dispatcher."""
+    unit = unit_of(target)
+    naming = Naming(
+        prefix=request.prefix,
+        unit=unit if request.dispatched else "",
+        enclosing=f"{request.prefix}_{unit}",
+    )
+    text = emit(variant_of(kernel), naming, request.command).source
+    if not is_mixed(request.targets):
+        return text
+    return f"#if {guard_of(target)}  // else this file is empty\n{text}#endif\n"
+
+
+def _single(
+    request: VendorRequest, context: PackageContext, header: str, units: Mapping[str, str]
+) -> str:
+    """Everything in one header: units follow each other and leave no macro behind."""
+    own = f'#include "{request.prefix}.h"\n'
+    texts = []
+    for text in units.values():
+        assert own in text
+        macros = dict.fromkeys(_MACRO.findall(text))
+        texts.append(text.replace(own, "") + "".join(f"#undef {name}\n" for name in macros))
+    whole = PackageContext(
+        request, context.scene, context.rows, (), header=header, unit_texts=tuple(texts)
+    )
+    return _page(request, "single.h", "/*", v=whole)
+
+
+def _page(
+    request: VendorRequest, template: str, comment: str, formatted_as: str = "", **values: object
+) -> str:
+    """A template filled, with the banner on top; `formatted_as`: a file name for clang-format."""
+    page = environment().get_template(f"vendor/{template}.j2")
+    body = page.render(banner="", **values)
+    made_for = f"{request.prefix}, scene {request.scene}, model {request.model}"
+    top = banner(
+        f"vendor/{template}.j2", made_for, request.command, source_hash(body), comment=comment
+    )
+    text = page.render(banner=top, **values)
+    return format_source(text, formatted_as) if formatted_as else text

@@ -1,0 +1,108 @@
+"""What is to be vendored: checked before any work is done."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from generator.choice.lookup import Goal
+from generator.errors import InputError
+from generator.scenes.models import find_model
+from generator.scenes.scene import find_scene
+from generator.steppers.budgets import plan_for
+from generator.targets.target import find_target
+
+_PREFIX = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_LONGEST_PREFIX = 40
+# A prefix is also a C++ namespace and the name of a library.
+_WORDS = """
+alignas alignof and asm auto bitand bitor bool break case catch char class compl concept const
+consteval constexpr constinit continue decltype default delete do double else enum explicit
+export extern false float for friend goto if inline int linux long main mutable namespace new
+noexcept not nullptr operator or posix private protected public register requires restrict
+return short signed sizeof static std struct switch template this throw true try typedef typeid
+typename typeof union unix unsigned using virtual void volatile while xor
+"""
+_TAKEN = frozenset(_WORDS.split())
+
+
+@dataclass(frozen=True)
+class VendorRequest:
+    """Everything that decides a vendored folder but the stored figures and the sources."""
+
+    targets: tuple[str, ...]  # names of targets.toml, as asked for; never `native`
+    scene: str
+    model: str
+    goal: Goal
+    prefix: str = "carom"
+    single_header: bool = False
+
+    @property
+    def command(self) -> str:
+        """What makes the folder again; the place is the user's own matter."""
+        goal = f"--steps {self.goal.steps}" if self.goal.steps is not None else ""
+        goal = goal or f"--max-error {self.goal.budget:g}"
+        single = " --single-header" if self.single_header else ""
+        return (
+            f"./gen vendor --target {','.join(self.targets)} --scene {self.scene} "
+            f"--model {self.model} {goal} --prefix {self.prefix}{single} --out DIR"
+        )
+
+    @property
+    def dispatched(self) -> bool:
+        return len(self.targets) > 1
+
+    @property
+    def fixed_step(self) -> bool:
+        return self.goal.steps is not None
+
+
+def checked_prefix(prefix: str) -> str:
+    """The prefix, if it can begin names in C, be a C++ namespace and a file's name."""
+    if not _PREFIX.fullmatch(prefix) or len(prefix) > _LONGEST_PREFIX:
+        raise InputError(
+            f"--prefix '{prefix}': expected at most {_LONGEST_PREFIX} lower-case letters, digits "
+            "and single underscores, a letter first, as carom or my_kernel"
+        )
+    if prefix in _TAKEN:
+        raise InputError(f"--prefix '{prefix}': taken by C or C++; expected another, as carom")
+    return prefix
+
+
+def checked_targets(names: str, native: str) -> tuple[str, ...]:
+    """Targets from a list with commas; `native` stands for the target of that name."""
+    found = [native if name.strip() == "native" else name.strip() for name in names.split(",")]
+    for name in found:
+        find_target(name)
+    twice = [name for name in found if found.count(name) > 1]
+    if twice:
+        raise InputError(f"--target {names}: {twice[0]} twice; expected each target once")
+    return tuple(found)
+
+
+def make_request(
+    targets: tuple[str, ...],
+    scene: str,
+    model: str | None,
+    goal: Goal,
+    prefix: str,
+    single_header: bool,
+) -> VendorRequest:
+    """A request with the scene's own model and budget where none is named.
+
+    Raises InputError naming the option that cannot be.
+    """
+    known = find_scene(scene)
+    if goal.steps is not None and goal.budget is not None:
+        raise InputError("--steps and --max-error exclude each other: name one of them")
+    if goal.steps is None:
+        goal = Goal(budget=goal.budget if goal.budget is not None else known.max_error)
+        plan_for(goal.budget)
+        known.require_budget(goal.budget)
+    elif not known.equal_masses:
+        raise InputError(
+            f"--steps: scene {scene} has unequal masses, the fixed-step scheme is of equal balls; "
+            "use --max-error"
+        )
+    model = find_model(model or known.model).name
+    return VendorRequest(targets, scene, model, goal, checked_prefix(prefix), single_header)

@@ -1,0 +1,168 @@
+"""A vendored folder alone in an empty place: compilers, CPUs, threads, neighbours, headers."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from kernels import ROOT
+from vendored import EXACT, PAIRS, STRICT, compiled, ran, request_for, vendored
+
+from generator.choice.lookup import Goal
+
+PROGRAMS = ROOT / "tests" / "vendor"
+TARGETS = "zen3,x86-64-v2"
+pytestmark = pytest.mark.skipif(not PAIRS, reason="no C and C++ compiler of one make")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An exact kernel for two CPUs, copied alone to a place that knows nothing of carom."""
+    made = vendored(tmp_path_factory.mktemp("made") / "carom", request_for(TARGETS))
+    return Path(shutil.copytree(made, tmp_path_factory.mktemp("alone") / "carom"))
+
+
+@pytest.fixture(scope="module")
+def objects(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    return compiled(folder, tmp_path_factory.mktemp("objects"), PAIRS[0][0], "-O1")
+
+
+def program(source: Path, objects: list[Path], folder: Path, into: Path, *flags: str) -> Path:
+    """A client in C or C++ linked with units."""
+    cxx, cc = PAIRS[0]
+    is_c = source.suffix == ".c"
+    compiler, standard = (cc, "-std=c99") if is_c else (cxx, "-std=c++17")
+    made = into / source.stem
+    ran([compiler, standard, *STRICT, *flags, f"-I{folder}", source, *objects, "-lm", "-o", made])
+    return made
+
+
+@pytest.mark.parametrize("pair", PAIRS, ids=[cxx for cxx, _ in PAIRS])
+@pytest.mark.parametrize("level", ["-O0", "-O2"])
+def test_builds_alone_as_c_and_cpp_and_passes_its_own_test(pair, level, folder, tmp_path) -> None:
+    """No flag but the warnings; linked as C, so nothing of C++'s library is needed either."""
+    cxx, cc = pair
+    objects = compiled(folder, tmp_path, cxx, level)
+    for language, compiler, standard in (("c", cc, "c99"), ("c++", cxx, "c++17")):
+        test = tmp_path / f"selftest-{standard}"
+        source = ["-x", language, folder / "carom_selftest.c", "-x", "none"]
+        ran([compiler, f"-std={standard}", *STRICT, level, *source, *objects, "-lm", "-o", test])
+        told = ran([test]).stdout
+        print(told)
+        assert "2 kernels run, 0 failures" in told
+
+
+@pytest.mark.skipif(shutil.which("nm") is None, reason="no nm")
+@pytest.mark.parametrize("pair", PAIRS, ids=[cxx for cxx, _ in PAIRS])
+@pytest.mark.parametrize("goal", [EXACT, Goal(steps=1000)], ids=["exact", "steps"])
+def test_units_share_no_code_and_hold_no_state(pair, goal, tmp_path) -> None:
+    """Not optimised, where every inline function would be a weak symbol that linkers may merge."""
+    made = vendored(tmp_path / "made", request_for(TARGETS, goal))
+    state = []
+    for path in compiled(made, tmp_path / "objects", pair[0], "-O0"):
+        for line in ran(["nm", "-C", path]).stdout.splitlines():
+            kind, _, name = line.split(maxsplit=1)[-1].partition(" ")
+            if len(line.split()) < 3 or kind in "UTtrR":
+                continue
+            assert kind in "db", f"{path.name}: {line}"
+            state.append((path.stem, kind, name))
+    written = [entry for entry in state if entry[1] == "b"]
+    constants = {name.split("::")[-1] for _, kind, name in state if kind == "d"}
+    print(f"state: {written}; tables of pointers: {sorted(constants)}")
+    assert [(unit, name.split("::")[-1]) for unit, _, name in written] == [
+        ("carom_dispatch", "chosen")
+    ]
+    assert constants <= {"kUnits", "kNone", "kKnown"}
+
+
+def test_forcing_a_kernel_runs_that_kernel(folder, objects, tmp_path) -> None:
+    """By function and by environment: name, and the very bits that its unit gives."""
+    run = program(PROGRAMS / "forced.c", objects, folder, tmp_path)
+    lines = [line.split() for line in ran([run]).stdout.splitlines()]
+    print("\n".join(map(" ".join, lines)))
+    forced = {target: (kernel, bits) for target, kernel, bits, _ in lines[1:]}
+    assert list(forced) == ["zen3", "x86-64-v2"]
+    for target, kernel, _, same_as_unit in lines[1:]:
+        assert kernel.startswith(f"{target}.") and same_as_unit == "1"
+    assert forced["zen3"][1] != forced["x86-64-v2"][1], "both round alike: this proves nothing"
+    for target in forced:
+        first = ran([run], env={"CAROM_TARGET": target}).stdout.splitlines()[0].split()
+        assert first == [target, *forced[target], "0"]
+
+
+def test_forcing_what_is_not_there_is_seen_in_every_status(folder, objects, tmp_path) -> None:
+    run = program(PROGRAMS / "forced.c", objects, folder, tmp_path)
+    first = ran([run], env={"CAROM_TARGET": "zen99"}).stdout.splitlines()[0].split()
+    print(first)
+    came = sum(0.3 + 0.01 * i for i in range(50)) + 50 * (1.5 - 20 + 3 + 12 + 0.02 + 0.0535)
+    assert [*first[:2], first[3]] == ["none", "none", "4"]  # NO_KERNEL
+    assert float.fromhex(first[2]) == pytest.approx(came, rel=1e-12)
+
+
+@pytest.mark.skipif(shutil.which("qemu-x86_64") is None, reason="no qemu-x86_64")
+@pytest.mark.parametrize(
+    ("cpu", "chosen"),
+    [("Nehalem", "x86-64-v2"), ("Haswell", "zen3"), ("EPYC-Rome", "zen3"), ("Conroe", "none")],
+)
+def test_the_cpu_decides(cpu, chosen, folder, objects, tmp_path) -> None:
+    """On emulated CPUs: without AVX, with it, AMD's, and one that runs none of them."""
+    run = program(PROGRAMS / "forced.c", objects, folder, tmp_path, "-static")
+    told = ran(["qemu-x86_64", "-cpu", cpu, run]).stdout
+    print(told)
+    assert told.split()[0] == chosen
+    assert ("zen3 cannot" in told) == (chosen != "zen3")
+
+
+def test_first_calls_from_many_threads_do_not_race(folder, tmp_path) -> None:
+    flags = ("-O1", "-fsanitize=thread")
+    units = compiled(folder, tmp_path, PAIRS[0][0], *flags)
+    run = program(PROGRAMS / "first_call.cpp", units, folder, tmp_path, *flags, "-pthread")
+    told = ran([run])
+    print(told.stdout, told.stderr)
+    assert "threads agree" in told.stdout and "data race" not in told.stderr
+
+
+def test_two_prefixes_live_in_one_program(tmp_path) -> None:
+    """Both dispatched, both in one binary, both headers in one file."""
+    goals = {"fixed": Goal(steps=1000), "smooth": EXACT}
+    objects = []
+    for prefix, goal in goals.items():
+        made = vendored(tmp_path / prefix, request_for(TARGETS, goal, prefix=prefix))
+        objects += compiled(made, tmp_path / f"{prefix}-objects", PAIRS[0][0], "-O1")
+    second = f"-I{tmp_path / 'smooth'}"
+    run = program(PROGRAMS / "two_prefixes.cpp", objects, tmp_path / "fixed", tmp_path, second)
+    told = ran([run], env={"FIXED_TARGET": "x86-64-v2", "SMOOTH_TARGET": "zen3"}).stdout.split()
+    print(told)
+    assert told[0].startswith("x86-64-v2.any.mathavan2014.euler.n1000.")
+    assert told[1].startswith("zen3.any.mathavan2014.dp54.e1m06.")
+
+
+def test_typed_header_collides_one_and_many(folder, objects, tmp_path) -> None:
+    told = ran([program(PROGRAMS / "typed.cpp", objects, folder, tmp_path)]).stdout
+    print(told)
+    assert told == "6 of 7 collided\n"
+
+
+@pytest.mark.parametrize("pair", PAIRS, ids=[cxx for cxx, _ in PAIRS])
+@pytest.mark.parametrize("targets", [TARGETS, "x86-64-v2"])
+def test_one_header_holds_everything(pair, targets, tmp_path) -> None:
+    """Its self-test, a C99 client, and two such headers implemented in one file."""
+    cxx, cc = pair
+    for prefix, goal in {"carom": EXACT, "fixed": Goal(steps=200)}.items():
+        request = request_for(targets, goal, prefix=prefix, single_header=True)
+        made = vendored(tmp_path / prefix, request)
+        test = tmp_path / f"{prefix}-test"
+        ran([cxx, "-std=c++17", *STRICT, made / f"{prefix}_selftest.cpp", "-lm", "-o", test])
+        told = ran([test]).stdout
+        print(told)
+        assert "0 failures" in told
+    both = tmp_path / "both.cpp"
+    lines = [f'#define {p}_IMPLEMENTATION\n#include "{p.lower()}.h"' for p in ("CAROM", "FIXED")]
+    both.write_text("\n".join(lines) + "\n")
+    includes = [f"-I{tmp_path / prefix}" for prefix in ("carom", "fixed")]
+    ran([cxx, "-std=c++17", *STRICT, *includes, "-c", both, "-o", tmp_path / "both.o"])
+    client = ROOT / "tests" / "c" / "one_collision.c"
+    run = tmp_path / "run"
+    ran([cc, "-std=c99", *STRICT, *includes, client, tmp_path / "both.o", "-lm", "-o", run])
+    assert "status 0" in ran([run]).stdout

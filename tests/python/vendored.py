@@ -1,0 +1,97 @@
+"""What tests of vendoring share: folders made without any choice being timed, compilers, runs."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from functools import cache
+from pathlib import Path
+
+from kernels import bench_tool
+
+from generator.choice.folder import file_of
+from generator.choice.lookup import Goal, default_kernel
+from generator.choice.selection import Selected
+from generator.targets.target import find_target
+from generator.variants.names import name_of
+from generator.vendoring.folder import write_files
+from generator.vendoring.job import all_files
+from generator.vendoring.request import VendorRequest, make_request
+
+EXACT = Goal(budget=1e-6)
+STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
+PAIRS = [  # C++ and C compilers of one make
+    pair
+    for pair in (("g++", "gcc"), ("clang++", "clang"))
+    if all(shutil.which(name) for name in pair)
+]
+
+
+def request_for(targets: str, goal: Goal = EXACT, **options: object) -> VendorRequest:
+    """A request with the defaults of the command."""
+    given = {"scene": "any", "model": None, "prefix": "carom", "single_header": False, **options}
+    return make_request(tuple(targets.split(",")), goal=goal, **given)  # type: ignore[arg-type]
+
+
+def record_for(request: VendorRequest, target: str) -> Selected:
+    """A kernel as if it had been chosen: what stands in a selection, without its hours."""
+    goal = request.goal
+    variant = default_kernel(find_target(target), request.scene, request.model, goal)
+    name = name_of(variant)
+    return Selected(
+        kernel=name,
+        file=file_of(name),
+        model=request.model,
+        stepper=variant.stepper.name,
+        steps=goal.steps,
+        budget=goal.budget,
+        width=1,
+        chosen_by="default",
+        measured_on="none",
+        ratio_to_baseline=None,
+        ratio_ci=None,
+        max_rel_error=None,
+        error_against="exact" if goal.steps is None else "euler",
+        ties=[],
+    )
+
+
+@cache
+def files_for(request: VendorRequest) -> dict[str, str]:
+    """All files of a request; made once a process."""
+    records = {target: record_for(request, target) for target in request.targets}
+    return all_files(request, records, bench_tool())
+
+
+def vendored(folder: Path, request: VendorRequest) -> Path:
+    """A vendored folder in a new place."""
+    folder.mkdir(parents=True)
+    write_files(folder, files_for(request))
+    return folder
+
+
+def ran(command: list[object], **options: object) -> subprocess.CompletedProcess[str]:
+    """A command that must succeed; what it said where it does not."""
+    environment = {k: v for k, v in os.environ.items() if not k.endswith("_TARGET")}
+    environment |= options.pop("env", {})  # type: ignore[arg-type]
+    done = subprocess.run(
+        [str(word) for word in command],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env=environment,
+        **options,  # type: ignore[call-overload]
+    )
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+    return done
+
+
+def compiled(folder: Path, into: Path, compiler: str, *flags: str) -> list[Path]:
+    """Object files of all units, as a user compiles them."""
+    into.mkdir(parents=True, exist_ok=True)
+    objects = []
+    for source in sorted(folder.glob("*.cpp")):
+        objects.append(into / f"{source.stem}.o")
+        ran([compiler, "-std=c++17", *STRICT, *flags, "-c", source, "-o", objects[-1]])
+    return objects
