@@ -38,6 +38,7 @@ struct Run {
   int steps = 0;          ///< 0: as the kernel was made
   bool batch = false;     ///< through the batch function, cases with equal parameters together
   bool in_place = false;  ///< the outcome overwrites the input
+  std::string trace;      ///< file for the blocks of code that ran, uint32 each; empty: none
 };
 void run(const Run& options);
 

@@ -49,6 +49,11 @@ StepsFunction KernelLibrary::steps() const {
   return need(find<StepsFunction>(symbol), symbol);
 }
 
+TraceFunction KernelLibrary::trace() const {
+  const char* symbol = "carom_trace";
+  return need(find<TraceFunction>(symbol), symbol);
+}
+
 std::string KernelLibrary::kernel() const {
   const auto name = find<const char* (*)()>("carom_probe_kernel");
   return name == nullptr ? std::string() : name();

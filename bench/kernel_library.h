@@ -3,6 +3,7 @@
 #define CAROM_BENCH_KERNEL_LIBRARY_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -20,6 +21,8 @@ using StepsFunction = int (*)(const double params[6], const double ball1[9], con
 using BatchFunction = std::size_t (*)(const double params[6], const double* u_b, std::size_t n,
                                       const double* const in[18], double* const out[12],
                                       unsigned char* status);
+/// Of a library with a trace: where the blocks of code that ran so far stand; returns how many.
+using TraceFunction = std::size_t (*)(const std::uint32_t** blocks);
 
 /// An open shared library with the carom_probe_* functions; closed when it goes out of scope.
 class KernelLibrary {
@@ -33,6 +36,8 @@ class KernelLibrary {
   BatchFunction batch() const;
   /// Throws std::runtime_error if the kernel is no fixed-step kernel.
   StepsFunction steps() const;
+  /// Throws std::runtime_error if the library keeps no trace.
+  TraceFunction trace() const;
   /// The name that the kernel gives itself, or an empty string.
   std::string kernel() const;
 

@@ -52,6 +52,7 @@ void add_run(CLI::App* app, Run* options) {
   sub->add_option("--steps", options->steps, "fixed steps other than the kernel's own");
   sub->add_flag("--batch", options->batch, "through the batch function");
   sub->add_flag("--in-place", options->in_place, "the outcome overwrites the input");
+  sub->add_option("--trace", options->trace, "file for the blocks that ran; of a library with one");
   sub->callback([options] { carom_bench::run(*options); });
 }
 

@@ -2,8 +2,10 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "batch.h"
@@ -100,6 +102,16 @@ std::vector<OutcomeRow> run_cases(const KernelLibrary& library, const Run& optio
   return run_each(collide, cases, options.in_place);
 }
 
+void write_trace(const std::string& path, TraceFunction trace) {
+  const std::uint32_t* blocks = nullptr;
+  const std::size_t count = trace(&blocks);
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(blocks),
+             static_cast<std::streamsize>(count * sizeof(*blocks)));
+  file.close();
+  if (!file) throw std::runtime_error(path + ": cannot be written");
+}
+
 }  // namespace
 
 void run(const Run& options) {
@@ -109,7 +121,9 @@ void run(const Run& options) {
   if (options.steps < 0) throw std::runtime_error("--steps: expected at least 1");
   const std::vector<CaseRow> cases = read_case_rows(options.cases);
   const KernelLibrary library(options.kernel);
+  const TraceFunction trace = options.trace.empty() ? nullptr : library.trace();
   write_rows(options.out, run_cases(library, options, cases));
+  if (trace != nullptr) write_trace(options.trace, trace);
 }
 
 }  // namespace carom_bench

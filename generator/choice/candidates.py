@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from generator.scenes.scene import find_scene
 from generator.steppers.budgets import tableaus_for
 from generator.targets.target import Target
 from generator.variants.axes import axis
@@ -60,8 +61,14 @@ def fixed_step_candidates(
 def exact_candidates(
     target: Target, scene: str, model: str, budget: float, compilers: Iterable[str]
 ) -> list[Variant]:
-    """Legal variants of the exact steppers for a budget, in a fixed order."""
+    """Legal variants of the exact steppers for a budget, in a fixed order.
+
+    A level scene has a closed form, which no tableau and no root enters: it is tried once.
+    """
     fma = "fma" if target.has("fma") else "nofma"
+    closed = find_scene(scene).level
+    tableaus = tableaus_for(budget)[:1] if closed else tableaus_for(budget)
+    roots = ("inv",) if closed else axis("root").codes()
     found = [
         make_variant(
             target.name,
@@ -73,8 +80,8 @@ def exact_candidates(
             root=root,
         )
         for compiler in compilers
-        for tableau in tableaus_for(budget)
-        for root in axis("root").codes()
+        for tableau in tableaus
+        for root in roots
     ]
     return [v for v in found if broken_rule(v, target) is None]
 
@@ -82,10 +89,14 @@ def exact_candidates(
 def baseline(
     target: Target, scene: str, model: str, steps: int, compilers: Iterable[str]
 ) -> Variant:
-    """`paper-initial`: the report's initial C with the report's flags; FMA where there is any."""
+    """`paper-initial`: the report's initial C with the report's flags; FMA where there is any.
+
+    A scene without fixed-step kernels is compared with that of scene `any`.
+    """
     codes = tuple(compilers)
     stepper = Stepper("euler", steps=steps)
-    first = paper_rows(target.name, scene, model, stepper)["paper-initial"]
+    own = scene if find_scene(scene).fixed_steps else "any"
+    first = paper_rows(target.name, own, model, stepper)["paper-initial"]
     if "gcc" not in codes:
         first = first.with_options(compiler=codes[0])
     return first if target.has("fma") else first.with_options(fma="nofma")

@@ -53,8 +53,8 @@ def choose_by_time(candidates: Sequence[Candidate], run: TimingRun, cpu: str) ->
 
 
 def choose_by_model(candidates: Sequence[Candidate], cpu: str) -> Choice:
-    """Where it is not: by llvm-mca's cycles an iteration on the emitted loop."""
-    modelled = [c for c in _eligible(candidates) if c.mca is not None]
+    """Where it is not: by the cycles of a collision that llvm-mca replays."""
+    modelled = [c for c in _eligible(candidates) if c.modelled is not None]
     if not modelled:
         raise KernelError("llvm-mca gave no figure for any candidate")
     least = min(_cycles(c) for c in modelled)
@@ -63,8 +63,8 @@ def choose_by_model(candidates: Sequence[Candidate], cpu: str) -> Choice:
 
 
 def _cycles(candidate: Candidate) -> float:
-    assert candidate.mca is not None
-    return candidate.mca.cycles_per_iteration
+    assert candidate.modelled is not None
+    return candidate.modelled.cycles
 
 
 def selected(choice: Choice, baseline: Candidate) -> Selected:
@@ -75,7 +75,7 @@ def selected(choice: Choice, baseline: Candidate) -> Selected:
         ratio = round(chosen.timing.ratio, 4)
         low, high = chosen.timing.ratio_ci
         interval = (round(low, 4), round(high, 4))
-    elif baseline.mca is not None and variant.stepper.family == "euler":
+    elif baseline.modelled is not None:
         ratio = round(_cycles(chosen) / _cycles(baseline), 4)
     assert chosen.verdict is not None
     return Selected(

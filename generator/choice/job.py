@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
 from generator.choice.choose import Choice, choose_by_model, choose_by_time
+from generator.choice.modelling import model_all
 from generator.choice.workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
@@ -73,5 +74,6 @@ def _judged(
         run = bench.time(candidates, candidates[0], scene, seconds)
     if is_host:
         return candidates, candidates[0], choose_by_time(candidates, run, host.target.name)
-    bench.model(candidates, target)
+    cases = bench.timing_cases(scene, candidates[0].variant.model)
+    model_all(bench, candidates, target, cases)
     return candidates, candidates[0], choose_by_model(candidates, target.row.mca_cpu)

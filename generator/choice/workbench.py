@@ -1,10 +1,8 @@
-"""From variants to figures: emit, compile, verify, then time or model. Nothing is chosen here."""
+"""From variants to figures: emit, compile, verify, then time. Nothing is chosen here."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from functools import cache
 from pathlib import Path
@@ -24,7 +22,7 @@ from generator.timing.ratios import TimingResult, TimingRun, timing_results, tim
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.compilers import Compiler, march_flags
 from generator.toolchain.flags import compile_flags
-from generator.toolchain.mca import McaReport, analyse, assembly_of, require_mca
+from generator.toolchain.replay import Modelled
 from generator.variants.names import name_of, source_name_of
 from generator.variants.variant import Variant
 from generator.verification.errors import EXPECTED_COLUMNS, OUTCOME_COLUMNS, STICKS, Array
@@ -55,7 +53,7 @@ class Candidate:
     verdict: Verdict | None = None
     pooltool: Verdict | None = None  # against pooltool's own doubles, where they exist
     timing: TimingResult | None = None
-    mca: McaReport | None = None
+    modelled: Modelled | None = None  # where the target's CPU is not here
     rejected: str = ""
 
     @property
@@ -75,9 +73,10 @@ class Candidate:
 class Expected:
     """Cases and what must come out of them, for one scene and model."""
 
+    scene: str
     cases: Array
     exact: Array
-    euler: Array | None
+    euler: Array | None  # None where nobody asks, or the scene has no fixed-step kernels
     reference_rows: int  # how many of them are the committed reference
     seed: int
     labels: tuple[str, ...]  # what a reader calls each case: where it is from, id and kind
@@ -162,12 +161,13 @@ class Workbench:
             if model == "pooltool" and steps == EULER_STEPS:
                 pooltool = reference.euler_pooltool
         exact = self._oracle(cases, "exact", model, 0, known.mass_ratio)
-        euler = None if steps is None else self._oracle(cases, "euler", model, steps)
+        without = steps is None or not known.fixed_steps
+        euler = None if without else self._oracle(cases, "euler", model, steps)
         self.progress("computing expected results", 1, 1)
         self.labels = labels
         tables = (t if t is not None else "none" for t in (cases, exact, euler, pooltool))
         return Expected(
-            cases, exact, euler, reference_rows, seed, labels, pooltool, key_of(*tables)
+            scene, cases, exact, euler, reference_rows, seed, labels, pooltool, key_of(*tables)
         )
 
     def _oracle(
@@ -182,8 +182,12 @@ class Workbench:
         )
 
     def verify(self, candidates: Sequence[Candidate], expected: Expected) -> None:
-        """Verdict for each built candidate; what fails is rejected with the reason."""
+        """Verdict for each built candidate; what fails is rejected with the reason.
+
+        A baseline of another scene is none of these cases' and gets no verdict.
+        """
         alive = [c for c in candidates if c.library is not None and not c.rejected]
+        alive = [c for c in alive if c.variant.scene == expected.scene]
         for index, candidate in enumerate(alive):
             self.progress("verifying", index, len(alive))
             self._verify_one(candidate, expected)
@@ -238,7 +242,7 @@ class Workbench:
             )
         return {"oracle": asdict(verdict), "pooltool": theirs}
 
-    # -- time, or model --
+    # -- time --
 
     def timing_cases(self, scene: str, model: str) -> Array:
         """The random cases that kernels are timed on, adapted to the scene."""
@@ -275,34 +279,6 @@ class Workbench:
         baseline.timing = results[baseline.name]
         self.progress("timing", 1, 1)
         return run
-
-    def model(self, candidates: Sequence[Candidate], target: Target) -> None:
-        """llvm-mca's figures for the loop of each candidate on the target."""
-        alive = [c for c in candidates if not c.rejected]
-
-        def model_one(candidate: Candidate) -> None:
-            try:
-                candidate.mca = self._model_one(candidate, target)
-            except KernelError as error:
-                candidate.rejected = f"llvm-mca: {error}"
-
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            for index, _ in enumerate(pool.map(model_one, alive)):
-                self.progress(f"modelling on {target.row.mca_cpu} (llvm-mca)", index, len(alive))
-        self.progress("modelling", len(alive), len(alive))
-
-    def _model_one(self, candidate: Candidate, target: Target) -> McaReport:
-        sources = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
-        compiler, flags = candidate.compiler, candidate.flags
-
-        def make() -> dict[str, Any]:
-            text = assembly_of(sources, (), compiler, flags, candidate.name)
-            return asdict(analyse(text, target))
-
-        texts = sorted(sources.items())
-        key = key_of(texts, compiler.version, flags, require_mca().version, target.row.mca_cpu)
-        kept = self.store.kept("llvm-mca figures", key, make)
-        return McaReport(**{**kept, "path_cycles": tuple(kept["path_cycles"])})
 
 
 @cache

@@ -54,12 +54,13 @@ class BenchRow:
 
     def line(self) -> str:
         c = self.candidate
-        if c.rejected or c.timing is None or c.verdict is None:
+        if c.rejected or c.timing is None:
             return f"FAILED {c.name}: {c.rejected or 'not timed'}"
+        error = "-" if c.verdict is None else f"{c.verdict.max_rel_error:.1e}"
         low, high = c.timing.ratio_ci
         return (
             f"{c.timing.ns:10.1f} ns  {c.timing.ratio:.4f} ({low:.4f}-{high:.4f}) of paper-initial"
-            f"  error {c.verdict.max_rel_error:.1e}  {c.name}"
+            f"  error {error}  {c.name}"
         )
 
 

@@ -47,7 +47,7 @@ def run_main_job(
         console.width = LEAST_WIDTH
     with workbench(fresh=fresh) as bench:
         for name in names:
-            jobs = [] if max_error is not None else [fixed_step_job]
+            jobs = [fixed_step_job] if max_error is None and known.fixed_steps else []
             for job in (*jobs, exact_job(max_error or known.max_error)):
                 candidates, first, choice = job(bench, target, host, scene, name, seconds)
                 selection = checked_selection(folder) or Selection(
@@ -96,11 +96,19 @@ def _footnotes(
         )
         for flip in pooltool.flips:
             say(f"  flip by a step: {labels[flip]}")
+    first = candidates[0].variant
+    if first.scene != choice.chosen.variant.scene:
+        say(
+            f"scene {choice.chosen.variant.scene} has no fixed-step kernels (that scheme is of "
+            f"equal balls and in double): paper-initial is that of scene {first.scene}"
+        )
     if choice.by == "llvm-mca":
         times = "the times are this host's, not the target's" if host.runs(target) else "not run"
         say(
-            f"{target.name} is not this host's CPU ({host.target.name}): chosen by llvm-mca on the "
-            f"emitted loop for {target.row.mca_cpu}; {times}"
+            f"{target.name} is not this host's CPU ({host.target.name}): chosen by cycles a "
+            f"collision, the instructions that {_replayed(choice)} executed here replayed by "
+            f"llvm-mca for {target.row.mca_cpu} (branches guessed rightly, memory in the nearest "
+            f"cache); {times}"
         )
     for note in sorted({f"{c.compiler.code}: {c.march_note}" for c in candidates if c.march_note}):
         say(note)
@@ -108,3 +116,11 @@ def _footnotes(
         say(f"reused from earlier runs: {counts} (--fresh verifies and times anew)")
     say(f"chosen: {choice.chosen.name}")
     say(f"ties with it: {len(choice.ties) - 1}")
+
+
+def _replayed(choice: Choice) -> str:
+    """What llvm-mca's figures are the mean of."""
+    figures = choice.chosen.modelled
+    assert figures is not None
+    cases = f"{figures.cases} cases of the mixed set"
+    return cases if figures.steps is None else f"{cases} in {figures.steps} steps each"

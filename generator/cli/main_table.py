@@ -96,17 +96,17 @@ def _label(variant: Variant, base: dict[str, str]) -> str:
 
 
 def _titles(modelled: bool, target: Target, roomy: bool) -> list[str]:
-    first = [f"cycles/step\n{target.row.mca_cpu}\n(llvm-mca)"] if modelled else []
+    first = [f"cycles\n{target.row.mca_cpu}\n(llvm-mca)"] if modelled else []
     clock = ["TSC\ncycles"] if roomy else []
     ratio = "ratio to\npaper-initial\n(95 %)"
     return [*first, "ns", "ns\nlatency", "ns\nseed\ncases", *clock, ratio, "largest\nerror\nm/s"]
 
 
 def _figures(candidate: Candidate, modelled: bool, roomy: bool) -> list[str]:
-    timing, mca = candidate.timing, candidate.mca
+    timing, model = candidate.timing, candidate.modelled
     row = []
     if modelled:
-        row.append(f"{mca.cycles_per_iteration:.1f}" if mca else "-")
+        row.append(f"{model.cycles:.0f}" if model else "-")
     times = (timing.ns, timing.latency_ns, timing.seed_ns) if timing else (None, None, None)
     row += ["-" if ns is None else f"{ns:.0f}" for ns in times]
     if roomy:
@@ -140,8 +140,8 @@ def _mark(candidate: Candidate, choice: Choice) -> str:
 def _rank(candidate: Candidate, modelled: bool) -> tuple[int, float, str]:
     if candidate.rejected:
         return 2, 0.0, candidate.name
-    if modelled and candidate.mca is not None:
-        return 0, candidate.mca.cycles_per_iteration, candidate.name
+    if modelled and candidate.modelled is not None:
+        return 0, candidate.modelled.cycles, candidate.name
     if candidate.timing is not None:
         return 0, candidate.timing.ratio, candidate.name
     return 1, 0.0, source_name_of(candidate.variant)

@@ -352,16 +352,18 @@ def _exact(context: KernelContext, variant: Variant, target: Target) -> Operatio
 
 def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:
     """Fill in what the fixed-step core needs; the operations of an iteration."""
-    if not context.scene.equal_masses:
+    scene = context.scene
+    if not scene.fixed_steps:
         raise InputError(
-            f"--scene {context.scene.name}: the fixed-step scheme is of equal balls; expected a "
-            "scene with mass_ratio = 1, or --max-error"
+            f"--scene {scene.name}: the fixed-step scheme is pooltool's, of equal balls and in "
+            "double; expected a scene with mass_ratio = 1 and precision = 'double', or --max-error"
         )
     terms = find_model(variant.model).terms
     builder = LoopBuilder(variant, terms)
-    context.functions = tuple(builder.loops())
+    context.functions = tuple(builder.loops(scene.level))
     context.steps = variant.stepper.steps or 0
-    context.helpers = _helpers(variant)
+    only_level = scene.level and variant["branch"] == "chosen"  # no root is taken there
+    context.helpers = () if only_level else _helpers(variant)
     context.chosen = variant["branch"] == "chosen"
     context.lift = terms.lift
     context.c_z_before = tuple(builder.low.slips_of_contact(only=("c_z",)))

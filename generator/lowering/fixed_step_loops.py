@@ -111,9 +111,12 @@ class LoopBuilder:
         self.terms = terms
         self.low = FixedStepLowering(variant, terms)
 
-    def loops(self) -> list[Loop]:
+    def loops(self, level: bool = False) -> list[Loop]:
+        """`level`: no contact slips vertically, and a loop that chooses its ball needs none."""
         if self.variant["simd"] == "balls":
             return [self.balls()]
+        if level and self.variant["branch"] == "chosen":
+            return [self.unpressed()]
         if self.variant["branch"] != "chosen":
             template = "masked" if self._masks else "branching"
             return [self.general(template, "iterate")]

@@ -168,6 +168,11 @@ class Scene(BaseModel):
         return self.mass_ratio == 1
 
     @property
+    def fixed_steps(self) -> bool:
+        """Has it fixed-step kernels? That scheme is pooltool's: of equal balls and in double."""
+        return self.equal_masses and self.precision == "double"
+
+    @property
     def unrestricted(self) -> bool:
         """Is every case of the envelope of real use a case of this scene?"""
         plain = Scene(name=self.name, text=self.text, model=self.model, max_error=self.max_error)

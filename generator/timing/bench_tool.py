@@ -128,13 +128,15 @@ class BenchTool:
         batch: bool = False,
         in_place: bool = False,
         timeout: float = RUN_TIMEOUT,
+        trace: Path | None = None,
     ) -> Array:
         """What a kernel makes of the cases, in rows of 13.
 
         `steps`: instead of its own; `batch`: through its batch function; `in_place`: the outcome
-        overwrites the input.
+        overwrites the input; `trace`: file for the blocks that ran (of toolchain.traces).
         """
         flags = ["--batch"] * batch + ["--in-place"] * in_place
+        flags += [] if trace is None else ["--trace", str(trace)]
         options = ["--kernel", library, *([] if steps is None else ["--steps", steps]), *flags]
         with tempfile.TemporaryDirectory() as name:
             files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))

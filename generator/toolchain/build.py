@@ -20,7 +20,7 @@ from generator.toolchain.process import run
 
 TIMEOUT = 120.0  # seconds for one source file
 _FIXED = ("-fPIC", "-fvisibility=default")
-_SOURCES = (".cpp", ".cc", ".cxx")
+_SOURCES = (".cpp", ".cc", ".cxx", ".s")
 _HEADERS = (".h", ".hpp", ".inc")
 
 
@@ -40,7 +40,7 @@ class BuildJob:
     """One library to be made. `label` names it in messages; it is no part of the key."""
 
     label: str
-    sources: Mapping[str, str]  # file name -> text; .cpp are compiled, the rest can be included
+    sources: Mapping[str, str]  # file name -> text; .cpp and .s are compiled, others included
     compiler: Compiler
     flags: tuple[str, ...]
     include_dirs: tuple[Path, ...] = ()

@@ -6,7 +6,7 @@ import json
 import re
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -75,8 +75,10 @@ def assembly_of(
     compiler: Compiler,
     flags: Iterable[str],
     label: str = "kernel",
+    markers: bool = True,
 ) -> str:
-    """The assembly text of sources, with the markers that CAROM_MCA switches on."""
+    """The assembly text of sources; `markers`: with those of llvm-mca's regions (CAROM_MCA)."""
+    marking = ["-DCAROM_MCA"] if markers else []
     with tempfile.TemporaryDirectory(prefix="carom-mca-") as scratch:
         folder = Path(scratch)
         for name, text in sources.items():
@@ -85,12 +87,24 @@ def assembly_of(
         includes = [f"-I{path.resolve()}" for path in include_dirs]
         texts = []
         for name in (n for n in sources if n.endswith((".cpp", ".cc", ".cxx"))):
-            options = [*flags, "-DCAROM_MCA", "-I.", *includes, "-S", name, "-o", "out.s"]
+            options = [*flags, *marking, "-I.", *includes, "-S", name, "-o", "out.s"]
             done = run([compiler.path, *options], _TIMEOUT, cwd=folder)
             if done.code != 0:
                 raise KernelError(f"{label} ({compiler.code}): {done.first_error}")
             texts.append((folder / "out.s").read_text("utf-8"))
     return "\n".join(texts)
+
+
+def run_mca(mca: Mca, target: Target, options: Sequence[str], text: str) -> str:
+    """What llvm-mca prints about assembly text on the target's CPU. Raises KernelError."""
+    cpu = target.row.mca_cpu
+    command = [mca.path, f"-mtriple={target.row.arch}", f"-mcpu={cpu}", *options, "-"]
+    done = run(command, _TIMEOUT, text=text)
+    if f"'{cpu}' is not a recognized processor" in done.errors:
+        raise KernelError(f"llvm-mca {mca.major} does not know {cpu}: a newer LLVM is needed")
+    if done.code != 0:
+        raise KernelError(f"llvm-mca {mca.major} for {cpu}: {done.first_error}")
+    return done.output
 
 
 def _simulate(
@@ -102,15 +116,9 @@ def _simulate(
         f"{sign} LLVM-MCA-BEGIN p{n}\n" + "\n".join(lines) + f"\n{sign} LLVM-MCA-END p{n}\n"
         for n, lines in enumerate(paths)
     )
-    cpu = target.row.mca_cpu
-    options = [f"-mtriple={target.row.arch}", f"-mcpu={cpu}", f"-iterations={ITERATIONS}"]
-    done = run([mca.path, *options, "--json", "-"], _TIMEOUT, text=text)
-    if f"'{cpu}' is not a recognized processor" in done.errors:
-        raise KernelError(f"llvm-mca {mca.major} does not know {cpu}: a newer LLVM is needed")
-    if done.code != 0:
-        raise KernelError(f"llvm-mca {mca.major} for {cpu}: {done.first_error}")
+    options = (f"-iterations={ITERATIONS}", "--json")
     try:
-        answer = json.loads(done.output)
+        answer = json.loads(run_mca(mca, target, options, text))
         regions, units = answer["CodeRegions"], answer["TargetInfo"]["Resources"]
     except (ValueError, KeyError):
         raise KernelError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 from dataclasses import dataclass
 from functools import cache
 
@@ -10,8 +11,9 @@ import numpy as np
 import pytest
 import sympy as sp
 from exact_kernels import portable_target
-from kernels import CACHE, WARNINGS, bench_tool, compiler_of
+from kernels import CACHE, EULER, WARNINGS, bench_tool, compiler_of
 
+from generator.choice.candidates import baseline, exact_candidates
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import InputError, KernelError
 from generator.mechanics import symbols as s
@@ -20,19 +22,24 @@ from generator.mechanics.reduced import reduced_system
 from generator.scenes import scene as scene_module
 from generator.scenes.models import MODELS
 from generator.scenes.scene import Scene, parse_scene
+from generator.timing.bench_tool import ROOT
 from generator.timing.plan import PlannedKernel, TimingPlan
 from generator.timing.ratios import timing_results
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.flags import compile_flags
 from generator.variants.names import name_of
+from generator.variants.presets import find_preset
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, Variant, make_variant
 from generator.verification.errors import STATUS, Array
+from generator.verification.euler import euler_verdict
 from generator.verification.exact import exact_verdict
 from generator.verification.scene_cases import cases_for_scene
 from generator.verification.verdict import Verdict
 
-SHIPPED = ("any", "pool", "snooker", "carom", "break", "stun", "free", "arcade")
+SHIPPED = tuple(scene_module.scenes())
+PROMISED = {"any", "pool", "snooker", "carom", "break", "stun", "free", "arcade"}
+GUIDE = (ROOT / "docs" / "adding-a-scene.md").read_text("utf-8")
 HEAD = 'name = "{}"\ntext = "of a test"\n'
 # Statements that no shipped scene makes, and some together.
 OURS = {
@@ -122,7 +129,7 @@ def verdict_of(scene: str, model: str = "", compiler: str = "gcc") -> Verdict:
 
 
 def test_shipped_scenes() -> None:
-    assert set(SHIPPED) <= set(all_scenes())
+    assert set(SHIPPED) >= PROMISED
     assert all_scenes()["any"].unrestricted
     assert not any(all_scenes()[name].unrestricted for name in SHIPPED if name != "any")
 
@@ -171,6 +178,13 @@ def test_a_wrong_scene_is_refused_in_one_line(text: str, says: str) -> None:
     assert "\n" not in message
 
 
+def test_the_guide_has_a_row_for_every_key_and_its_example_is_a_scene() -> None:
+    rows = set(re.findall(r"^\| `\[?(\w+)\]?` \|", GUIDE, re.MULTILINE))
+    assert rows == set(Scene.model_fields)
+    (example,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+    assert parse_scene(example, "guide").name == "pyramid"
+
+
 # -- mechanics --
 
 
@@ -206,14 +220,28 @@ def test_a_scene_is_exact_inside(scene: str, compiler: str) -> None:
     assert verdict.cases >= 2000
 
 
-@pytest.mark.parametrize("model", ["bottom_slip", "pooltool"])
-@pytest.mark.parametrize("scene", ["stun", "side", "free", "break", "stunrest"])
+# Still over, and strictly expected to be: 2.5e-6 in one case of 2040.
+STILL_OVER = pytest.param("break", "pooltool", marks=pytest.mark.xfail(reason="near crossing"))
+
+
+@pytest.mark.parametrize(
+    ("scene", "model"),
+    [
+        *(
+            (s, m)
+            for s in ("stun", "side", "free", "stunrest")
+            for m in ("bottom_slip", "pooltool")
+        ),
+        ("break", "bottom_slip"),
+        STILL_OVER,
+    ],
+)
 def test_other_models_in_scenes(scene: str, model: str) -> None:
     kernel = built(scene, model)
     rows, exact = inside(scene, model)
     got = bench_tool().run_kernel(kernel.library.path, rows)
-    # pooltool's stronger table friction is near the budget's edge, and not what is tested here
-    assert exact_verdict(rows, got, exact, 1e-5).passed
+    verdict = exact_verdict(rows, got, exact, 1e-6)
+    assert verdict.passed, verdict.reason
 
 
 OUTSIDE = {
@@ -313,6 +341,60 @@ def test_what_a_scene_rules_out_is_gone(scene: str) -> None:
     code = "\n".join(line.split("//")[0] for line in text.splitlines())
     for piece in GONE[scene]:
         assert piece not in (text if "//" in piece else code), piece
+
+
+def fixed_step_variant(scene: str, model: str = "mathavan2014", preset: str = "reduced") -> Variant:
+    target = portable_target()
+    fma = "fma" if target.has("fma") else "nofma"
+    options = {**find_preset(preset).options, "fma": fma}
+    return make_variant(target.name, scene, model, EULER, **options)
+
+
+@pytest.mark.parametrize("scene", ["stun", "side"])
+def test_fixed_steps_of_a_level_scene_press_no_ball(scene: str) -> None:
+    level, plain = emit(fixed_step_variant(scene)), emit(fixed_step_variant("any"))
+    for gone in ("iterate_pressed_1", "iterate_general", "rsqrt", "Progress"):
+        assert gone in plain.source, gone
+        assert gone not in level.source, gone
+    print(f"{scene}: {total(level)} of {total(plain)} operations in the text")
+    assert level.counts.flops < plain.counts.flops / 3
+    assert total(level) < total(plain) / 3
+
+
+@pytest.mark.parametrize("model", [m.name for m in MODELS])
+@pytest.mark.parametrize("scene", ["stun", "side"])
+def test_fixed_steps_of_a_level_scene_are_the_scheme(scene: str, model: str) -> None:
+    """Elastic and plastic shots end in exact ties there, which are not counted as flips."""
+    variant = fixed_step_variant(scene, model)
+    source, cc = emit(variant), compiler_of(variant)
+    flags = (*compile_flags(variant, cc, portable_target()), *WARNINGS)
+    texts = {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
+    library = build_many([BuildJob(name_of(variant), texts, cc, flags)], CACHE)[0]
+    assert isinstance(library, BuiltLibrary), library
+    rows, exact = inside(scene, model)
+    euler = bench_tool().expect(rows, "euler", model)
+    verdict = euler_verdict(
+        rows, bench_tool().run_kernel(library.path, rows), euler, exact, EULER.steps or 0
+    )
+    print(f"{scene} {model}: {verdict.reason}")
+    assert verdict.passed, verdict.reason
+
+
+@pytest.mark.parametrize("scene", ["arcade", "heavy"])
+def test_what_the_fixed_step_scheme_is_not_is_refused(scene: str) -> None:
+    """It is pooltool's: of equal balls and in double. The exact job compares with `any`'s."""
+    with pytest.raises(InputError, match=f"--scene {scene}: the fixed-step scheme is pooltool's"):
+        emit(fixed_step_variant(scene))
+    first = baseline(portable_target(), scene, "mathavan2014", 1000, ["gcc"])
+    assert first.scene == "any"
+
+
+def test_a_closed_form_is_tried_once_a_compiler() -> None:
+    def count(scene: str) -> int:
+        return len(exact_candidates(portable_target(), scene, "mathavan2014", 1e-6, ["gcc"]))
+
+    assert (count("stun"), count("side")) == (1, 1)
+    assert count("any") > 4
 
 
 def total(kernel: KernelSource) -> int:

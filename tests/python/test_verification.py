@@ -88,6 +88,34 @@ def test_euler_verdict_passes_the_scheme(reference: Reference, scheme: Array) ->
     assert verdict.cases == 950
 
 
+def even_cases(e_b: float, count: int = 1000) -> Array:
+    """Shots without spin: every step adds the same to v_n."""
+    rows = np.zeros((count, 24))
+    rows[:, :6] = (0.03, 0.2, 0.2, 0.2, 0.05, e_b)
+    rows[:, 16] = 0.06  # ball 2 lies along y
+    rows[:, 9:11] = 0.2, 1.0
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("e_b", "spin", "passes"),
+    [(0.0, 0.0, True), (1.0, 0.0, True), (0.6, 0.0, True), (0.7, 0.0, False), (1.0, 1e-9, False)],
+)
+def test_flips_of_exact_ties_are_no_share_of_the_kernel(e_b: float, spin: float, passes: bool):
+    """1000 / (1 + e_b) steps of compression are whole for e_b = 0, 0.6, 1; spin presses a ball."""
+    cases = even_cases(e_b)
+    cases[:, 12] = spin
+    expected = np.zeros((len(cases), 14))
+    got = expected[:, :13].copy()
+    got[:20, 1] = 0.9e-3  # nearly a step: 2 %
+    verdict = euler_verdict(cases, got, expected, expected, 1000)
+    print(verdict.reason)
+    assert verdict.passed is passes
+    assert len(verdict.flips) == 20
+    got[0, 1] = 1.1e-3
+    assert not euler_verdict(cases, got, expected, expected, 1000).passed
+
+
 def test_euler_verdict_lists_flips_up_to_half_a_percent(
     reference: Reference, scheme: Array
 ) -> None:

@@ -1,0 +1,89 @@
+"""Cycles a collision takes on a CPU that is not here: what ran here, replayed by llvm-mca.
+
+Instructions that real collisions execute are recorded on this machine, whatever their loops and
+branches do, and simulated on the target. So kernels with few long steps and kernels with many short
+ones compare, and what stands around the loop counts.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from generator.choice.store import key_of
+from generator.choice.workbench import Candidate, Workbench
+from generator.errors import KernelError
+from generator.targets.target import Target
+from generator.toolchain.build import build
+from generator.toolchain.mca import require_mca
+from generator.toolchain.replay import Modelled, replayed_cycles
+from generator.toolchain.traces import TracedKernel, traced
+from generator.verification.errors import Array
+
+EXACT_CASES = 64  # of the mixed set that kernels are timed on
+FIXED_CASES = 32
+FIXED_STEPS = 100  # instead of N: steps are alike, and N of them would take minutes
+
+
+def model_all(
+    bench: Workbench, candidates: Sequence[Candidate], target: Target, cases: Array
+) -> None:
+    """Cycles of each candidate on the target; what cannot be modelled is rejected.
+
+    `cases`: those that kernels are timed on, of the candidates' scene.
+    """
+    alive = [c for c in candidates if not c.rejected]
+
+    def model_one(candidate: Candidate) -> None:
+        try:
+            candidate.modelled = modelled(bench, candidate, target, cases)
+        except KernelError as error:
+            candidate.rejected = f"llvm-mca: {error}"
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for index, _ in enumerate(pool.map(model_one, alive)):
+            bench.progress(f"modelling on {target.row.mca_cpu} (llvm-mca)", index, len(alive))
+    bench.progress("modelling", len(alive), len(alive))
+
+
+def modelled(bench: Workbench, candidate: Candidate, target: Target, cases: Array) -> Modelled:
+    """The mean over the first cases, from the store or made now. Raises KernelError."""
+    kernel = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
+    probe = {"probe.cpp": candidate.sources["probe.cpp"]}
+    compiler, flags = candidate.compiler, candidate.flags
+    steps = candidate.variant.stepper.steps
+    chosen = cases[: EXACT_CASES if steps is None else FIXED_CASES]
+
+    def make() -> dict[str, Any]:
+        library = traced(kernel, probe, compiler, flags, candidate.name)
+        return asdict(_replayed(bench, library, target, chosen, steps))
+
+    texts = sorted(candidate.sources.items())
+    tools = (compiler.version, flags, require_mca().version, bench.tool.executable.name)
+    key = key_of(texts, tools, target.row.mca_cpu, chosen, steps, FIXED_STEPS)
+    return Modelled(**bench.store.kept("llvm-mca figures", key, make))
+
+
+def _replayed(
+    bench: Workbench, kernel: TracedKernel, target: Target, cases: Array, steps: int | None
+) -> Modelled:
+    library = build(kernel.job, bench.cache / "kernels")
+    with tempfile.TemporaryDirectory() as folder:
+        trace = Path(folder, "trace")
+        fewer = None if steps is None else min(steps, FIXED_STEPS)
+        bench.tool.run_kernel(library.path, cases, steps=fewer, trace=trace)
+        ran = kernel.instructions(trace)
+    times = 1.0 if steps is None or fewer is None else steps / fewer
+    return Modelled(
+        cpu=target.row.mca_cpu,
+        cycles=times * replayed_cycles(ran, target) / len(cases),
+        instructions=times * len(ran) / len(cases),
+        cases=len(cases),
+        steps=fewer,
+        version=require_mca().version,
+    )

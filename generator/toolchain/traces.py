@@ -1,0 +1,114 @@
+"""Which instructions a kernel executes on real cases: its assembly with a recorder in each block.
+
+A recorder stores the block's number and leaves every register, flag and byte of the stack as it
+was, so that the kernel computes what it computes without. It is x86-64 code.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from generator.errors import KernelError
+from generator.toolchain.build import BuildJob
+from generator.toolchain.compilers import Compiler
+from generator.toolchain.mca import assembly_of
+
+MOST_BLOCKS = 1 << 20  # that one trace holds; 64 collisions of an exact kernel run some 15,000
+_LABEL = re.compile(r"^[.\w$@]+:")
+_LEAVES = re.compile(r"^(?:notrack\s+|bnd\s+)?(?:j[a-z]+|loopn?[ez]*|callq?|retq?|ud2)\b")
+_NO_WORK = re.compile(r"^(?:callq?|retq?)\b")  # of which llvm-mca knows nothing
+
+# 128 bytes below the stack pointer may hold the kernel's own values (the red zone).
+_RECORDER = """\
+ lea -128(%rsp), %rsp
+ pushfq
+ pushq %rax
+ movq carom_trace_at(%rip), %rax
+ cmpq carom_trace_end(%rip), %rax
+ jae 77f
+ movl ${number}, (%rax)
+ addq $4, %rax
+ movq %rax, carom_trace_at(%rip)
+77:
+ popq %rax
+ popfq
+ lea 128(%rsp), %rsp"""
+
+_STORE = f"""\
+#include <cstddef>
+#include <cstdint>
+namespace {{
+std::uint32_t blocks[{MOST_BLOCKS}];
+}}
+extern "C" {{
+__attribute__((visibility("hidden"))) std::uint32_t* carom_trace_at = blocks;
+__attribute__((visibility("hidden"))) std::uint32_t* carom_trace_end = blocks + {MOST_BLOCKS};
+std::size_t carom_trace(const std::uint32_t** first) {{
+  *first = blocks;
+  return static_cast<std::size_t>(carom_trace_at - blocks);
+}}
+}}
+"""
+
+
+@dataclass(frozen=True)
+class TracedKernel:
+    """A library to be built, and the instructions of the blocks that its trace numbers."""
+
+    job: BuildJob
+    blocks: tuple[tuple[str, ...], ...]
+
+    def instructions(self, trace: Path) -> list[str]:
+        """What ran, one after the other. Raises KernelError where the trace is full or empty."""
+        numbers = np.fromfile(trace, dtype=np.uint32)
+        if not 0 < len(numbers) < MOST_BLOCKS:
+            raise KernelError(f"{self.job.label}: a trace of {len(numbers)} blocks is of no use")
+        return [line for n in numbers for line in self.blocks[n]]
+
+
+def instrumented(assembly: str) -> tuple[str, tuple[tuple[str, ...], ...]]:
+    """AT&T assembly with a recorder before each block, and what stands in the blocks.
+
+    A block ends at a label, a jump, a call or a return. Calls and returns are left out of the
+    blocks, and what is called beyond this text is not seen.
+    """
+    out: list[str] = []
+    blocks: list[list[str]] = []
+    begins = True
+    for raw in assembly.splitlines():
+        code = raw.split("#", maxsplit=1)[0].strip()
+        if _LABEL.match(code):
+            begins = True
+        elif code and not code.startswith("."):
+            if begins:
+                out.append(_RECORDER.format(number=len(blocks)))
+                blocks.append([])
+            begins = _LEAVES.match(code) is not None
+            if not _NO_WORK.match(code):
+                blocks[-1].append(code)
+        out.append(raw)
+    return "\n".join(out) + "\n", tuple(tuple(block) for block in blocks)
+
+
+def traced(
+    sources: Mapping[str, str],
+    adapter: Mapping[str, str],
+    compiler: Compiler,
+    flags: Iterable[str],
+    label: str,
+) -> TracedKernel:
+    """The kernel `sources` with recorders; `adapter`: what else its library needs, without them.
+
+    Raises KernelError where the kernel does not compile.
+    """
+    own: Sequence[str] = tuple(flags)
+    text = assembly_of(sources, (), compiler, (*own, "-fPIC"), label, markers=False)
+    marked, blocks = instrumented(text)
+    headers = {name: text for name, text in sources.items() if name.endswith(".h")}
+    files = {**headers, **adapter, "kernel.s": marked, "trace.cpp": _STORE}
+    return TracedKernel(BuildJob(f"{label} (traced)", files, compiler, tuple(own)), blocks)
