@@ -6,6 +6,7 @@ import math
 import random
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -39,12 +40,17 @@ def differing(variant: Variant) -> dict[str, str]:
     return {key: code for key, code in variant.options if code != axis(key).default}
 
 
+@cache
+def _effect(what: str, low: float, high: float) -> float:
+    return random.Random(what).uniform(low, high)
+
+
 def landscape(variant: Variant) -> float:
     """A ratio to the baseline: an effect for each option, and one for each pair of options."""
     odd = sorted({**differing(variant), "stepper": variant.stepper.name}.items())
-    log = sum(random.Random(f"{key}={code}").uniform(-0.25, 0.15) for key, code in odd)
+    log = sum(_effect(f"{key}={code}", -0.25, 0.15) for key, code in odd)
     pairs = [(a, b) for n, a in enumerate(odd) for b in odd[:n]]
-    log += sum(random.Random(f"{pair}").uniform(-0.03, 0.03) for pair in pairs)
+    log += sum(_effect(f"{pair}", -0.03, 0.03) for pair in pairs)
     return math.exp(log)
 
 

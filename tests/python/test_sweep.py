@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import os
 import time
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from sweep_lab import EXACT, FIXED, ZEN3, FakeLab, landscape, plan, swept
@@ -26,6 +29,14 @@ STRICT = {"flags": ("strict",)}
 SMALL = {"simd": ("scalar",), "store": ("named",), "fma": ("fma",), "loop": ("onestage",)}
 SMALLER = {**STRICT, **SMALL, "branch": ("chosen",), "state": ("reduced",)}
 COLOUR = Axis("colour", "of the ink", (Choice("plain", "none"), Choice("bold", "thick")))
+
+
+@pytest.fixture
+def tmp_path() -> Iterator[Path]:
+    """In memory where there is such a place: most of the time would go into flushing to a disk."""
+    memory = Path("/dev/shm")
+    with TemporaryDirectory(dir=memory if os.access(memory, os.W_OK) else None) as name:
+        yield Path(name)
 
 
 def space(only: dict[str, tuple[str, ...]]) -> Space:
@@ -59,10 +70,10 @@ def test_an_exhaustive_sweep_tries_every_legal_variant_once_and_no_other(tmp_pat
 
 def test_a_search_tries_legal_variants_only_each_once_and_every_option(tmp_path: Path) -> None:
     with opened(tmp_path / "s.sqlite") as store:
-        swept(store, FakeLab(), plan(FIXED, trials=150))
+        swept(store, FakeLab(), plan(FIXED, trials=100))
         trials = [t for t in store.trials() if t.rung == 0 and t.depends is not None]
     variants = [variant_of_subject(t.subject) for t in trials]
-    assert len({name_of(v) for v in variants}) == len(variants) == 150
+    assert len({name_of(v) for v in variants}) == len(variants) == 100
     assert all(broken_rule(v, ZEN3) is None for v in variants)
     seen = {pair for v in variants for pair in v.options}
     wanted = {(a.key, code) for a, codes in space({}).axes() for code in codes}
@@ -112,7 +123,7 @@ def test_only_the_better_quarter_of_a_rung_is_timed_for_longer(tmp_path: Path) -
 # ---- what is chosen --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_a_search_of_300_trials_finds_what_an_exhaustive_one_would_choose(
     seed: int, tmp_path: Path
 ) -> None:
@@ -133,7 +144,7 @@ def test_two_sweeps_choose_the_same_kernel_or_name_it_as_a_tie(tmp_path: Path) -
     finals = []
     for seed in (1, 2):
         with opened(tmp_path / f"{seed}.sqlite") as store:
-            outcomes, _ = swept(store, FakeLab(seed), plan(EXACT, FIXED, trials=400))
+            outcomes, _ = swept(store, FakeLab(seed), plan(EXACT, FIXED, trials=240))
             finals.append([o.final for o in outcomes])
     for first, second in zip(*finals, strict=True):
         assert first is not None and second is not None
