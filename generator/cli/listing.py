@@ -6,6 +6,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
+from generator.errors import InputError
 from generator.scenes.models import MODELS
 from generator.scenes.scene import scenes
 from generator.targets.host import read_host
@@ -17,8 +18,24 @@ from generator.variants.rules import RULES
 
 @click.command("list")
 @click.argument("what", type=click.Choice(["targets", "scenes", "variants", "models"]))
-def list_rows(what: str) -> None:
+@click.option("--cost", is_flag=True, help="of scenes: operations and times, measured here")
+@click.option("--target", default="native", show_default=True, help="CPU that --cost is for")
+@click.option(
+    "--seconds",
+    default=3.0,
+    show_default=True,
+    type=click.FloatRange(0.1, 600),
+    help="time for timing each scene with --cost",
+)
+def list_rows(what: str, cost: bool, target: str, seconds: float) -> None:
     """List what there is to choose from."""
+    if cost:
+        from generator.cli.scene_table import show_scene_costs
+
+        if what != "scenes":
+            raise InputError(f"--cost: {what} have none; expected list scenes --cost")
+        show_scene_costs(Console(), target, seconds)
+        return
     tables = {"targets": _targets, "scenes": _scenes, "variants": _variants, "models": _models}
     console = Console()
     for table in tables[what]():

@@ -23,8 +23,6 @@ from generator.scenes import scene as scene_module
 from generator.scenes.models import MODELS
 from generator.scenes.scene import Scene, parse_scene
 from generator.timing.bench_tool import ROOT
-from generator.timing.plan import PlannedKernel, TimingPlan
-from generator.timing.ratios import timing_results
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.flags import compile_flags
 from generator.variants.names import name_of
@@ -409,23 +407,3 @@ def test_a_scene_has_fewer_operations(scene: str) -> None:
     assert ours.counts.flops <= plain.counts.flops
     if scene in ("stun", "side", "free"):
         assert ours.counts.flops < plain.counts.flops / 2
-
-
-def test_times_relative_to_any() -> None:
-    """Printed (pytest -s); only the closed form and the free system are held to theirs."""
-    ratios = {}
-    for scene in SHIPPED[1:]:
-        plain, ours = built("any", budget=all_scenes()[scene].max_error), built(scene)
-        rows = cases_for_scene(all_scenes()[scene], bench_tool().make_cases(77, 4096).rows)
-        kernels = tuple(PlannedKernel(k.variant.scene, k.library.path) for k in (plain, ours))
-        run = bench_tool().time(TimingPlan(rows, kernels, "any", rounds=200, seconds=2.0))
-        found = {result.name: result for result in timing_results(run)}
-        ratios[scene] = found[scene].ratio
-        counts = f"{total(ours.source)} of {total(plain.source)} operations in the text"
-        print(
-            f"{scene:8} {found[scene].ns:6.0f} ns, any {found['any'].ns:6.0f} ns on its cases: "
-            f"{ratios[scene]:.2f}; a step {ours.source.counts.flops} of "
-            f"{plain.source.counts.flops} flops; {counts}"
-        )
-    assert ratios["free"] < 0.9
-    assert ratios["stun"] < 1.1
