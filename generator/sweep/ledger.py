@@ -76,7 +76,7 @@ class Ledger:
         self._fresh = fresh
         self._trials: dict[str, Trial] = {}
         self._finals: dict[str, Final] = {}
-        self._newest: dict[str, Trial] = {}
+        self._newest: dict[tuple[str, int], Trial] = {}
         self.made = self.reused = 0
         self.unused: Counter[str] = Counter()
         for trial in store.trials():
@@ -87,7 +87,7 @@ class Ledger:
         store.append(run)
 
     def _note(self, trial: Trial) -> None:
-        self._newest[identity(trial.subject)] = trial
+        self._newest[identity(trial.subject), trial.rung] = trial
         if not self._fresh:
             self._trials[trial.key] = trial
 
@@ -100,7 +100,7 @@ class Ledger:
         if found is not None:
             self.reused += 1
             return found
-        stale = self._newest.get(identity(subject))
+        stale = self._newest.get((identity(subject), rung))
         if stale is not None and rung == 0:
             self.unused[self._why(stale, depends)] += 1
         return None
@@ -151,7 +151,7 @@ class Ledger:
     def _kept(self, made: Trial) -> Trial:
         self._store.append(made)
         self._trials[made.key] = made
-        self._newest[identity(made.subject)] = made
+        self._newest[identity(made.subject), made.rung] = made
         self.made += 1
         return made
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import resource
 import signal
 import subprocess
 from collections.abc import Sequence
@@ -51,6 +53,7 @@ def run(
         )
     except OSError as error:
         raise KernelError(f"cannot run {command[0]}: {error.strerror or error}") from None
+    _limit_cpu_time(process.pid, timeout)
     try:
         output, errors = process.communicate(text, timeout=timeout)
     except subprocess.TimeoutExpired:
@@ -60,3 +63,11 @@ def run(
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
     return Finished(process.returncode, output, errors)
+
+
+def _limit_cpu_time(pid: int, timeout: float) -> None:
+    """So that a program that never ends does not outlive us when we are killed."""
+    seconds = int(timeout) + 10
+    # There may be no such call here, a lower limit already, or no such process any more.
+    with contextlib.suppress(AttributeError, OSError, ValueError):
+        resource.prlimit(pid, resource.RLIMIT_CPU, (seconds, seconds))

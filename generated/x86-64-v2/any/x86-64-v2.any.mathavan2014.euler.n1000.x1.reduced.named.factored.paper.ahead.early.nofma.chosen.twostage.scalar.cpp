@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.any.mathavan2014.euler.n1000.x1.reduced.named.factored.paper.ahead.early.nofma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene any --model mathavan2014
-// inputs:   sha256 855dc7a25383d899
+// inputs:   sha256 ad94454aed9b7abe
 #include "carom.h"
 
 #include <cmath>
@@ -163,7 +163,7 @@ constexpr double kNoSlip = 1e-16;      // m/s: below, contact slip counts as zer
 // The work at which the loop ends, before compression has: constants, since a function that is not
 // inlined would be shared between units.
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kLargest = std::numeric_limits<double>::max();
+[[maybe_unused]] constexpr double kLargest = std::numeric_limits<double>::max();
 
 // A collision takes about 3/2 N steps at most; a loop that takes 8 N is stuck and ends.
 inline std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }

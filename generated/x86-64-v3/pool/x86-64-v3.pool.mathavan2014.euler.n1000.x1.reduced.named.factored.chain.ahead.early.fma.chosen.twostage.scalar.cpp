@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.pool.mathavan2014.euler.n1000.x1.reduced.named.factored.chain.ahead.early.fma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene pool --model mathavan2014
-// inputs:   sha256 7c5cb701428200e8
+// inputs:   sha256 7cb6902378386620
 #include "carom.h"
 
 #include <cmath>
@@ -161,7 +161,7 @@ constexpr double kNoSlip = 1e-16;      // m/s: below, contact slip counts as zer
 // The work at which the loop ends, before compression has: constants, since a function that is not
 // inlined would be shared between units.
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kLargest = std::numeric_limits<double>::max();
+[[maybe_unused]] constexpr double kLargest = std::numeric_limits<double>::max();
 
 // A collision takes about 3/2 N steps at most; a loop that takes 8 N is stuck and ends.
 inline std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }

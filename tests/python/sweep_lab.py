@@ -1,0 +1,148 @@
+"""A lab without compilers or clocks: kernels have a speed by formula, with noise."""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from generator.choice.workbench import Candidate
+from generator.emission.kernel_source import KernelSource
+from generator.lowering.counts import OperationCounts
+from generator.sweep.explore import Progress
+from generator.sweep.ledger import Ledger, new_run
+from generator.sweep.record import Rejection
+from generator.sweep.space import Contest
+from generator.sweep.station import Rules, TimingJob
+from generator.sweep.store import ResultStore
+from generator.sweep.sweep import Outcome, Plan, run_sweep
+from generator.targets.target import find_target
+from generator.toolchain.build import BuiltLibrary
+from generator.toolchain.compilers import Compiler
+from generator.variants.axes import axis
+from generator.variants.names import name_of, source_name_of
+from generator.variants.variant import Variant
+from generator.verification.verdict import Verdict
+
+ZEN3 = find_target("zen3")
+FIXED = Contest("zen3", "any", "pooltool", 1000, None, "scalar")
+EXACT = Contest("zen3", "any", "pooltool", None, 1e-6, "scalar")
+
+Refuse = Callable[[Variant], Rejection | None]
+
+
+def differing(variant: Variant) -> dict[str, str]:
+    """Options that are not the default."""
+    return {key: code for key, code in variant.options if code != axis(key).default}
+
+
+@cache
+def _effect(what: str, low: float, high: float) -> float:
+    return random.Random(what).uniform(low, high)
+
+
+def landscape(variant: Variant) -> float:
+    """A ratio to the baseline: an effect for each option, and one for each pair of options."""
+    odd = sorted({**differing(variant), "stepper": variant.stepper.name}.items())
+    log = sum(_effect(f"{key}={code}", -0.25, 0.15) for key, code in odd)
+    pairs = [(a, b) for n, a in enumerate(odd) for b in odd[:n]]
+    log += sum(_effect(f"{pair}", -0.03, 0.03) for pair in pairs)
+    return math.exp(log)
+
+
+def made_up_source(variant: Variant) -> KernelSource:
+    """A text that says what the compiler is shown of a variant, with its name in a comment."""
+    shown = [(k, c) for k, c in differing(variant).items() if k not in ("compiler", "flags")]
+    text = f"// {name_of(variant)}\n{sorted(shown)} {variant.stepper} {variant.width}"
+    none = OperationCounts()
+    return KernelSource(variant, source_name_of(variant), "", text, "", none, none)
+
+
+class FakeLab:
+    """`Lab` by formula. `timed` names what was timed, in order."""
+
+    def __init__(
+        self,
+        seed: int = 0,
+        noise: float = 0.01,
+        refuse: Refuse = lambda variant: None,
+        speed: Callable[[Variant], float] = landscape,
+        seconds: float = 0.0,
+    ) -> None:
+        self.cpu = "zen3, made up"
+        self.compilers = {"gcc": "g++ (made up) 12.2.0"}
+        self.timed: list[tuple[str, ...]] = []
+        self._random, self._noise = random.Random(seed), noise
+        self._refuse, self._speed, self._seconds = refuse, speed, seconds
+
+    def rules(self, steps: int | None) -> Rules:
+        return Rules(cases=f"cases {steps}", rules="rules", bench="bench")
+
+    def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
+        for variant in variants:
+            compiler = Compiler("gcc", "/usr/bin/g++", self.compilers["gcc"], 12)
+            yield Candidate(variant, made_up_source(variant), compiler, (variant["flags"],))
+
+    def build(
+        self, candidates: Sequence[Candidate]
+    ) -> Iterator[tuple[Candidate, Rejection | None]]:
+        for candidate in candidates:
+            rejection = self._refuse(candidate.variant)
+            if rejection is None or rejection.reason != "compile":
+                place = Path("/nowhere/kernel.so")
+                candidate.library = BuiltLibrary(place, "key", 0.5, place, hit=False)
+                candidate.verdict = Verdict(rejection is None, "made up", 1e-10, 1e-11, 10)
+            yield candidate, rejection
+
+    def time(self, job: TimingJob) -> dict[str, Any]:
+        time.sleep(self._seconds)
+        self.timed.append(tuple(c.name for c in job.candidates))
+        kernels = [self._series(c.name, self._ratio(c, job), job.rounds) for c in job.candidates]
+        throughput = {"kernels": kernels, "control": self._series("control", 1.0, job.rounds)}
+        return {
+            "throughput": throughput,
+            "latency": None,
+            "seed_cases": None,
+            "baseline": 0,
+            "rounds": job.rounds,
+            "tsc_ghz": 2.0,
+            "cpu": 0,
+        }
+
+    def _ratio(self, candidate: Candidate, job: TimingJob) -> float:
+        return 1.0 if candidate is job.baseline else self._speed(candidate.variant)
+
+    def _series(self, name: str, ratio: float, rounds: int) -> dict[str, Any]:
+        ns = [1e4 * ratio * math.exp(self._random.gauss(0, self._noise)) for _ in range(rounds)]
+        return {"name": name, "ns_per_collision": ns, "tsc_cycles_per_collision": ns}
+
+
+def plan(*contests: Contest, **changes: Any) -> Plan:
+    asked: dict[str, Any] = {
+        "target": ZEN3,
+        "contests": contests,
+        "widths": {"scalar": (1,)},
+        "only": {},
+        "compilers": ("gcc",),
+        "seed": 1,
+        "exhaustive": False,
+        "minutes": None,
+        "trials": None,
+    }
+    return Plan(**{**asked, **changes})
+
+
+def swept(
+    store: ResultStore,
+    lab: FakeLab,
+    asked: Plan,
+    fresh: bool = False,
+    observe: Callable[[Progress], None] = lambda progress: None,
+) -> tuple[list[Outcome], Ledger]:
+    """A whole sweep."""
+    ledger = Ledger(store, new_run("a test", asked.seed, lab.cpu, "zen3", lab.compilers), fresh)
+    return run_sweep(asked, lab, ledger, observe, time.monotonic()), ledger

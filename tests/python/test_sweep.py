@@ -1,0 +1,325 @@
+"""Sweeps: what they try, what they keep, what they choose. On kernels with made-up speeds."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from sweep_lab import EXACT, FIXED, ZEN3, FakeLab, landscape, plan, swept
+
+import generator.variants.axes as axes_module
+from generator.errors import InputError
+from generator.sweep.finals import NEGLIGIBLE, row_of
+from generator.sweep.ladder import KEPT, RUNGS
+from generator.sweep.record import Final, Rejection, Run
+from generator.sweep.space import Space, parse_only, variant_of_subject
+from generator.sweep.store import opened
+from generator.variants.axes import Axis, Choice
+from generator.variants.names import name_of
+from generator.variants.rules import broken_rule
+from generator.variants.variant import Variant
+
+STRICT = {"flags": ("strict",)}
+SMALL = {"simd": ("scalar",), "store": ("named",), "fma": ("fma",), "loop": ("onestage",)}
+SMALLER = {**STRICT, **SMALL, "branch": ("chosen",), "state": ("reduced",)}
+COLOUR = Axis("colour", "of the ink", (Choice("plain", "none"), Choice("bold", "thick")))
+
+
+@pytest.fixture
+def tmp_path() -> Iterator[Path]:
+    """In memory where there is such a place: most of the time would go into flushing to a disk."""
+    memory = Path("/dev/shm")
+    with TemporaryDirectory(dir=memory if os.access(memory, os.W_OK) else None) as name:
+        yield Path(name)
+
+
+def space(only: dict[str, tuple[str, ...]]) -> Space:
+    return Space(FIXED, ZEN3, ("gcc",), (1,), only)
+
+
+def chosen(final: Final | None) -> Variant:
+    assert final is not None
+    return variant_of_subject(row_of(final, final.chosen).subject)
+
+
+# ---- what is tried ---------------------------------------------------------------------------
+
+
+def test_an_exhaustive_sweep_tries_every_legal_variant_once_and_no_other(tmp_path: Path) -> None:
+    legal = {name_of(v) for v in space(SMALLER).everything()}
+    axes, by_hand = space(SMALLER).axes(), 0
+    for codes in itertools.product(*(codes for _, codes in axes)):
+        options = dict(zip((a.key for a, _ in axes), codes, strict=True))
+        drawn = next(space(SMALLER).everything()).with_options(**options)
+        by_hand += broken_rule(drawn, ZEN3) is None
+    with opened(tmp_path / "s.sqlite") as store:
+        [outcome], _ = swept(store, FakeLab(), plan(FIXED, only=SMALLER, exhaustive=True))
+        trials = [t for t in store.trials() if t.depends is not None]
+    names = Counter(t.subject.name for t in trials if t.rung == 0)
+    print(f"{len(legal)} legal variants, {sum(names.values())} trials on the lowest rung")
+    assert set(names) == legal == set(outcome.exploration.entries)
+    assert set(names.values()) == {1} and len(legal) == by_hand > 10
+    assert outcome.exploration.complete
+
+
+def test_a_search_tries_legal_variants_only_each_once_and_every_option(tmp_path: Path) -> None:
+    with opened(tmp_path / "s.sqlite") as store:
+        swept(store, FakeLab(), plan(FIXED, trials=100))
+        trials = [t for t in store.trials() if t.rung == 0 and t.depends is not None]
+    variants = [variant_of_subject(t.subject) for t in trials]
+    assert len({name_of(v) for v in variants}) == len(variants) == 100
+    assert all(broken_rule(v, ZEN3) is None for v in variants)
+    seen = {pair for v in variants for pair in v.options}
+    wanted = {(a.key, code) for a, codes in space({}).axes() for code in codes}
+    print(f"{len(wanted)} options, not tried: {sorted(wanted - seen)}")
+    assert wanted == seen
+
+
+def test_a_new_axis_is_swept_without_being_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = list(space(SMALLER).everything())
+    monkeypatch.setattr(axes_module, "AXES", (*axes_module.AXES, COLOUR))
+    after = list(space(SMALLER).everything())
+    assert len(after) == 2 * len(before)
+    assert {v["colour"] for v in space(SMALLER).neighbours(after[0])} == {"plain", "bold"}
+
+
+def test_the_chosen_kernels_illegal_neighbours_are_kept_with_the_rule(tmp_path: Path) -> None:
+    for _ in range(2):  # the second time there is nothing to add
+        with opened(tmp_path / "s.sqlite") as store:
+            [outcome], _ = swept(store, FakeLab(), plan(FIXED, trials=40))
+            found = [t for t in store.trials() if t.depends is None]
+    best = chosen(outcome.final)
+    illegal = [v for v in space({}).steps_from(best) if broken_rule(v, ZEN3) is not None]
+    print(f"{len(illegal)} illegal neighbours of {name_of(best)}")
+    assert {t.subject.name for t in found} >= {name_of(v) for v in illegal}
+    assert len({t.key for t in found}) == len(found) > 0
+    for trial in found:
+        assert trial.rejection is not None and trial.rejection.reason == "constraint"
+        rule = broken_rule(variant_of_subject(trial.subject), ZEN3)
+        assert rule is not None and trial.rejection.text == f"{rule.name}: {rule.reason}"
+
+
+def test_only_the_better_quarter_of_a_rung_is_timed_for_longer(tmp_path: Path) -> None:
+    with opened(tmp_path / "s.sqlite") as store:
+        swept(store, FakeLab(noise=0.002), plan(FIXED, only=SMALLER, exhaustive=True))
+        trials = [t for t in store.trials() if t.depends is not None]
+    count = Counter(t.rung for t in trials)
+    print(f"trials by rung: {dict(count)}")
+    assert {t.times.rounds for t in trials if t.times} == set(RUNGS)
+    # A wave may promote one that a later wave outdoes: at most a few beyond the quarter.
+    assert count[0] / KEPT <= count[1] <= count[0] / KEPT + 8
+    assert count[1] / KEPT <= count[2] <= count[1] / KEPT + 8
+    at_first = {t.subject.name: t.times.ratio for t in trials if t.rung == 0 and t.times}
+    best = sorted(at_first, key=lambda name: at_first[name])[: count[0] // KEPT]
+    assert set(best) <= {t.subject.name for t in trials if t.rung == 1}
+
+
+# ---- what is chosen --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_search_of_300_trials_finds_what_an_exhaustive_one_would_choose(
+    seed: int, tmp_path: Path
+) -> None:
+    """On times with an effect of each option and of each pair, and 1 % noise."""
+    ratios = sorted(landscape(v) for v in space(STRICT).everything())
+    with opened(tmp_path / "s.sqlite") as store:
+        asked = plan(FIXED, trials=300, seed=seed)
+        [outcome], _ = swept(store, FakeLab(seed), asked)
+    ratio = landscape(chosen(outcome.final))
+    print(
+        f"seed {seed}: chosen {ratio:.4f}, the best of {len(ratios)} is {ratios[0]:.4f}: "
+        f"beaten by {100 * (ratio / ratios[0] - 1):.2f} % after {outcome.exploration.tried} trials"
+    )
+    assert ratio <= 1.03 * ratios[0]
+
+
+def test_two_sweeps_choose_the_same_kernel_or_name_it_as_a_tie(tmp_path: Path) -> None:
+    finals = []
+    for seed in (1, 2):
+        with opened(tmp_path / f"{seed}.sqlite") as store:
+            outcomes, _ = swept(store, FakeLab(seed), plan(EXACT, FIXED, trials=240))
+            finals.append([o.final for o in outcomes])
+    for first, second in zip(*finals, strict=True):
+        assert first is not None and second is not None
+        print(f"{first.contest}: {first.chosen} and {second.chosen}")
+        assert first.chosen == second.chosen or (
+            {first.chosen, second.chosen} <= set(first.ties) & set(second.ties)
+        )
+
+
+def test_of_ties_the_fewest_options_from_the_default_are_chosen(tmp_path: Path) -> None:
+    with opened(tmp_path / "s.sqlite") as store:
+        lab = FakeLab(noise=0.0, speed=lambda v: 0.5 if v["rsqrt"] != "ahead" else 0.499)
+        [outcome], _ = swept(store, lab, plan(FIXED, only=SMALLER, exhaustive=True))
+    final = outcome.final
+    assert final is not None
+    fastest = row_of(final, final.fastest)
+    assert fastest.subject.options["rsqrt"] == "ahead"
+    own = row_of(final, final.chosen)
+    assert own.tie and own.to_fastest <= NEGLIGIBLE
+    assert own.distance == min(row.distance for row in final.finalists if row.tie)
+
+
+def test_what_is_slower_by_2_percent_is_never_chosen_for_its_fewer_options(tmp_path: Path) -> None:
+    with opened(tmp_path / "s.sqlite") as store:
+        lab = FakeLab(noise=0.05, speed=lambda v: 0.5 if v["rsqrt"] == "ahead" else 0.51)
+        [outcome], _ = swept(store, lab, plan(FIXED, only=SMALLER, exhaustive=True))
+    assert chosen(outcome.final)["rsqrt"] == "ahead"
+
+
+def test_relaxed_arithmetic_is_timed_and_never_chosen(tmp_path: Path) -> None:
+    with opened(tmp_path / "s.sqlite") as store:
+        lab = FakeLab(speed=lambda v: 0.5 if v["flags"] == "strict" else 0.1)
+        [outcome], _ = swept(store, lab, plan(FIXED, trials=100))
+        timed = [t for t in store.trials() if t.subject.options.get("flags") == "report"]
+    print(f"{len(timed)} trials with the report's flags")
+    assert timed and chosen(outcome.final)["flags"] == "strict"
+
+
+# ---- what is kept ----------------------------------------------------------------------------
+
+
+def test_a_second_sweep_times_nothing_again(tmp_path: Path) -> None:
+    path, asked = tmp_path / "s.sqlite", plan(FIXED, only=SMALLER, exhaustive=True)
+    with opened(path) as store:
+        _, first = swept(store, FakeLab(1), asked)
+    with opened(path) as store:
+        before = list(store.records())
+        lab = FakeLab(2)
+        [outcome], second = swept(store, lab, asked)
+        added = [r for r in store.records() if r not in before]
+    print(f"made {first.made}, then {second.made}; reused {second.reused}")
+    assert (second.made, lab.timed) == (0, []) and second.reused == first.made
+    assert [type(r) for r in added] == [Run]
+    assert outcome.final in before and not second.unused
+
+
+def test_adding_an_option_times_nothing_else_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A new axis changes the names of all kernels, and yet no figure of an old one is lost."""
+    path = tmp_path / "s.sqlite"
+    asked = plan(FIXED, only={**SMALLER, "rsqrt": ("inv", "est1")}, exhaustive=True)
+    with opened(path) as store:
+        _, first = swept(store, FakeLab(), asked)
+        known = {t.key for t in store.trials()}
+    monkeypatch.setattr(axes_module, "AXES", (*axes_module.AXES, COLOUR))
+    more = plan(FIXED, only={**asked.only, "rsqrt": ("inv", "est1", "est2")}, exhaustive=True)
+    with opened(path) as store:
+        lab = FakeLab()
+        [outcome], second = swept(store, lab, more)
+        new = [t for t in store.trials() if t.key not in known and t.depends is not None]
+    alone = {names[-1] for names in lab.timed if len(names) == 2}
+    print(f"{first.made} trials before, {second.made} made after, {second.reused} reused")
+    assert {t.subject.name for t in new} == alone
+    options = [t.subject.options for t in new if t.rung == 0]
+    assert options and all(o["colour"] == "bold" or o["rsqrt"] == "est2" for o in options)
+    assert not second.unused and outcome.final is not None
+
+
+def test_a_stored_result_that_is_not_used_says_why(tmp_path: Path) -> None:
+    path, asked = tmp_path / "s.sqlite", plan(FIXED, only=SMALLER, exhaustive=True)
+    legal = len(list(space(SMALLER).everything()))
+    with opened(path) as store:
+        swept(store, FakeLab(), asked)
+    newer = FakeLab()
+    newer.compilers["gcc"] = "g++ (made up) 13.1.0"
+    with opened(path) as store:
+        _, second = swept(store, newer, asked)
+    with opened(path) as store:
+        _, third = swept(store, newer, asked, fresh=True)
+    print(f"{second.unused}\n{third.unused}")
+    [(why, count)] = second.unused.items()
+    assert "compiler: g++ (made up) 12.2.0, now g++ (made up) 13.1.0" in why
+    assert "another baseline" in why and count == legal
+    assert third.unused == {"--fresh was given": legal} and third.reused == 0
+
+
+REASONS = ("compile", "timeout", "crash", "wrong result")
+
+
+def test_every_rejection_is_a_record_with_its_reason_and_is_not_tried_again(
+    tmp_path: Path,
+) -> None:
+    reasons = dict(zip(("div", "inv", "est1", "est2"), REASONS, strict=True))
+
+    def refuse(variant: Variant) -> Rejection | None:
+        reason = reasons.get(variant["rsqrt"]) if variant["flags"] == "strict" else None
+        return Rejection(reason=reason, text=f"made to: {reason}") if reason else None
+
+    path = tmp_path / "s.sqlite"
+    asked = plan(FIXED, only={**STRICT, **SMALL, "reuse": ("precompute",)}, exhaustive=True)
+    with opened(path) as store:
+        [outcome], _ = swept(store, FakeLab(refuse=refuse), asked)
+        trials = [t for t in store.trials() if t.depends is not None]
+    assert outcome.final is not None
+    print(dict(outcome.exploration.rejected))
+    for trial in trials:
+        want = reasons.get(trial.subject.options["rsqrt"])
+        assert (trial.rejection.reason if trial.rejection else None) == want
+        assert (trial.times is None) == (want is not None)
+    assert {f.subject.options["rsqrt"] for f in outcome.final.finalists} <= {"prev", "ahead"}
+    with opened(path) as store:
+        lab = FakeLab()
+        _, again = swept(store, lab, asked)
+    assert (again.made, lab.timed) == (0, [])
+
+
+# ---- budgets ---------------------------------------------------------------------------------
+
+
+def test_a_budget_of_trials_is_kept_to_the_trial_and_shared_by_the_contests(
+    tmp_path: Path,
+) -> None:
+    with opened(tmp_path / "s.sqlite") as store:
+        outcomes, _ = swept(store, FakeLab(), plan(EXACT, FIXED, trials=61))
+    tried = [o.exploration.tried for o in outcomes]
+    print(f"tried {tried}")
+    assert tried[0] + tried[1] == 61 and abs(tried[0] - tried[1]) <= 1
+
+
+def test_a_budget_of_minutes_ends_a_sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("generator.sweep.sweep.FINAL_RESERVE", 0.2)
+    start = time.monotonic()
+    with opened(tmp_path / "s.sqlite") as store:
+        asked = plan(EXACT, FIXED, minutes=0.05)
+        outcomes, _ = swept(store, FakeLab(seconds=0.02), asked)
+    spent = time.monotonic() - start
+    print(f"{spent:.2f} s of {60 * 0.05:g} s; tried {[o.exploration.tried for o in outcomes]}")
+    assert 1.0 < spent < 6.0
+    assert all(o.final is not None and o.exploration.tried > 0 for o in outcomes)
+
+
+def test_only_names_what_does_not_exist() -> None:
+    assert parse_only(("rsqrt=inv,ahead",)) == {"rsqrt": ("inv", "ahead")}
+    with pytest.raises(InputError, match="no axis 'colour'; there are state"):
+        parse_only(("colour=red",))
+    with pytest.raises(InputError, match="rsqrt has no 'fast'; it has div, inv"):
+        parse_only(("rsqrt=inv,fast",))
+
+
+def test_a_space_without_a_legal_variant_is_refused(tmp_path: Path) -> None:
+    with opened(tmp_path / "s.sqlite") as store, pytest.raises(InputError, match="no legal"):
+        swept(store, FakeLab(), plan(FIXED, only={"branch": ("chosen",), "rsqrt": ("div",)}))
+
+
+# ---- the schema is what the page says --------------------------------------------------------
+
+
+def test_the_page_names_every_field_of_the_records() -> None:
+    from generator.sweep import record
+
+    page = (Path(__file__).parents[2] / "docs" / "sweep.md").read_text("utf-8")
+    names = ("Run", "Trial", "Final", "Depends", "Subject", "Errors", "Times", "Rejection")
+    models = [getattr(record, name) for name in (*names, "Finalist")]
+    fields = {field for model in models for field in model.model_fields} - {"kind"}
+    missing = {field for field in fields if f"`{field}`" not in page}
+    print(f"{len(fields)} fields, not on the page: {sorted(missing)}")
+    assert not missing
