@@ -84,7 +84,17 @@ def gen(
 
 
 def _register() -> None:
-    from generator.cli import bench, collide, explain, listing, plot, sweep, vendor
+    from generator.cli import (
+        bench,
+        cluster,
+        collide,
+        explain,
+        listing,
+        plot,
+        results,
+        sweep,
+        vendor,
+    )
 
     for command in (
         bench.bench,
@@ -92,8 +102,10 @@ def _register() -> None:
         explain.explain,
         listing.list_rows,
         plot.plot,
+        results.results,
         sweep.sweep,
         vendor.vendor,
+        cluster.worker,
     ):
         gen.add_command(command)
 

@@ -10,19 +10,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from generator.choice.store import cache_folder
 from generator.choice.workbench import Workbench
 from generator.errors import InputError
 from generator.targets.host import Host, read_host
 from generator.targets.target import Target, find_target
 from generator.timing.bench_tool import build_bench_tool
 from generator.toolchain.compilers import find_compilers, missing
-
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def cache_folder() -> Path:
-    """Where builds and stored figures lie; CAROM_CACHE names another place."""
-    return Path(os.environ.get("CAROM_CACHE", ROOT / "build" / "cache"))
 
 
 def resolve_target(name: str) -> tuple[Target, Host]:

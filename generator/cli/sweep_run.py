@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +13,7 @@ from pathlib import Path
 from rich.console import Console
 
 from generator.choice.job import STEPS
+from generator.cli.cluster import connected
 from generator.cli.session import cache_folder, resolve_target, workbench
 from generator.cli.sweep_display import SweepDisplay, displayed, say_outcomes, say_verified
 from generator.errors import InputError
@@ -148,4 +149,18 @@ def _contests(asked: Asked, target: Target, model: str, max_error: float) -> tup
 @contextmanager
 def _lab(asked: Asked, target: Target, model: str) -> Iterator[Lab]:
     with workbench(quiet=True) as bench:
-        yield LocalLab(Station(bench, asked.scene, model), target)
+        station = Station(bench, asked.scene, model)
+        if asked.scheduler is None:
+            yield LocalLab(station, target)
+            return
+        with connected(asked.scheduler) as client:
+            from generator.sweep.cluster import ClusterLab
+
+            lab = ClusterLab(client, station, target, asked.wait)
+            yield lab
+            _say_refused(lab.refused.values())
+
+
+def _say_refused(reasons: Iterable[str]) -> None:
+    for why in reasons:
+        Console(stderr=True).print(f"carom: not used: {why}", highlight=False, soft_wrap=True)

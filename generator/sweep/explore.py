@@ -21,7 +21,7 @@ from generator.timing.ratios import timing_run
 from generator.variants.names import name_of
 from generator.variants.variant import Variant
 
-WAVE = 16
+WAVE = 8
 TRIAL_SECONDS = 20.0  # a timing ends then, whatever its rounds
 
 

@@ -169,7 +169,7 @@ def test_of_ties_the_fewest_options_from_the_default_are_chosen(tmp_path: Path) 
 
 def test_what_is_slower_by_2_percent_is_never_chosen_for_its_fewer_options(tmp_path: Path) -> None:
     with opened(tmp_path / "s.sqlite") as store:
-        lab = FakeLab(noise=0.05, speed=lambda v: 0.5 if v["rsqrt"] == "ahead" else 0.51)
+        lab = FakeLab(noise=0.02, speed=lambda v: 0.5 if v["rsqrt"] == "ahead" else 0.51)
         [outcome], _ = swept(store, lab, plan(FIXED, only=SMALLER, exhaustive=True))
     assert chosen(outcome.final)["rsqrt"] == "ahead"
 
