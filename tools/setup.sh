@@ -10,6 +10,8 @@ carom_needs=(
   "clang++:clang:soft"
   "clang++-19:clang-19:soft"
   "llvm-mca-19:llvm-19:soft"
+  "valgrind:valgrind:soft"
+  "chromium-headless-shell:chromium-headless-shell:soft"
   "cmake:cmake:hard"
   "ninja:ninja-build:hard"
   "include/gtest/gtest.h:libgtest-dev:soft"

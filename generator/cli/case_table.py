@@ -25,8 +25,9 @@ class CaseTable:
 
 
 def _number(text: str | None, path: Path, line: int, name: str) -> float:
+    plain = (text or "").replace("_", "x")  # Python alone reads 1_000 as a number
     try:
-        value = float((text or "").replace("_", "x"))  # Python alone reads 1_000 as a number
+        value = float.fromhex(plain) if "0x" in plain.lower() else float(plain)
     except ValueError:
         shown = f"'{text}'" if text else "nothing"
         raise InputError(

@@ -58,6 +58,7 @@ class Counted:
     total: OperationCounts
     calls: int
     evaluations: int  # of the rates of the slips; a fixed step has one an iteration
+    each: tuple[int, ...]  # evaluations of each case
     regions: Mapping[str, tuple[Passages, ...]]  # most frequent first
 
     @property
@@ -155,5 +156,6 @@ def _counted(document: dict, cases: int) -> Counted:
         total=_counts(total),
         calls=total[-2],
         evaluations=document["evaluations"],
+        each=tuple(document["each"]),
         regions=regions,
     )

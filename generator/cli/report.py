@@ -1,0 +1,117 @@
+"""gen report: one page that shows what a sweep found and why, from what is stored."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from generator.errors import InputError
+
+
+@click.command()
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="an HTML file")
+@click.option("--store", type=click.Path(path_type=Path), help="of a sweep; default: the cache's")
+@click.option("--target", default="native", show_default=True)
+@click.option("--scene", default="any", show_default=True)
+@click.option("--model", help="contact model; default: the scene's")
+@click.option("--measure", is_flag=True, help="first measure what no sweep keeps (minutes)")
+@click.option(
+    "--seconds",
+    default=10.0,
+    show_default=True,
+    type=click.FloatRange(1, 600),
+    help="with --measure: for each of its four timings",
+)
+def report(
+    out: Path,
+    store: Path | None,
+    target: str,
+    scene: str,
+    model: str | None,
+    measure: bool,
+    seconds: float,
+) -> None:
+    """Lay out a stored sweep and what was measured as one page; its data goes beside as JSON."""
+    from generator.cli.session import cache_folder, require_place, resolve_target
+    from generator.emission.files import write_atomically
+    from generator.report.gather import gather
+    from generator.report.measured import measured_path, read_measured
+    from generator.report.page import json_of, render
+    from generator.scenes.models import find_model
+    from generator.scenes.scene import find_scene
+    from generator.sweep.store import default_store
+
+    if out.suffix != ".html":
+        raise InputError(f"{out}: expected the name of an HTML file, as report.html")
+    data = out.with_suffix(".json")
+    require_place(out)
+    require_place(data)
+    known = find_model(model or find_scene(scene).model).name
+    resolved, host = resolve_target(target)
+    kept = measured_path(cache_folder(), resolved.name, scene, known)
+    place = store or default_store(cache_folder())
+    stored = _stored(place, store is not None, resolved.name, scene, known)
+    options = _options(target, scene, model)
+    if measure:
+        _measure(stored, kept, resolved, host, scene, known, seconds, options)
+    measured = read_measured(kept)
+    if not stored.trials and measured is None:
+        raise InputError(
+            f"{place}: nothing stored for {resolved.name}, {scene}, {known}; "
+            f"run ./gen sweep{options}, or ./gen report{options} --out {out} --measure"
+        )
+    commands = [*dict.fromkeys(run.command for run in stored.runs)]
+    commands += [measured.command] if measured else []
+    commands.append(f"./gen report{options} --out {out.name}")
+    made = gather(resolved.name, scene, known, host.cpu, stored, measured, commands)
+    page = render(made)
+    write_atomically(data, json_of(made) + "\n")
+    write_atomically(out, page)
+    for what, reason in made.missing.items():
+        if what != "published":
+            click.echo(f"not known: {what}: {reason}", err=True)
+    size = out.stat().st_size / 1e6
+    click.echo(f"written: {out} ({size:.2f} MB), {data}")
+
+
+def _options(target: str, scene: str, model: str | None) -> str:
+    given = [f" --target {target}"] if target != "native" else []
+    given += [f" --scene {scene}"] if scene != "any" else []
+    given += [f" --model {model}"] if model else []
+    return "".join(given)
+
+
+def _stored(place: Path, named: bool, target: str, scene: str, model: str):  # type: ignore[no-untyped-def]
+    """What a store holds of a target, scene and model; nothing where there is no default store."""
+    from generator.report.gather import Stored
+    from generator.report.subjects import last_finals
+    from generator.sweep.store import read_only
+
+    if not named and not place.exists():
+        return Stored((), (), {})
+    with read_only(place) as records:
+        trials = tuple(
+            t
+            for t in records.trials()
+            if (t.subject.target, t.subject.scene, t.subject.model) == (target, scene, model)
+        )
+        used = {t.run for t in trials}
+        runs = tuple(r for r in records.runs() if r.run in used)
+        return Stored(runs, trials, last_finals(records.finals(), target, scene, model))
+
+
+def _measure(stored, kept, target, host, scene, model, seconds, options) -> None:  # type: ignore[no-untyped-def]
+    from generator.choice.lookup import require_runs
+    from generator.cli.session import ROOT, workbench
+    from generator.report.measure import measure
+    from generator.report.measured import write_measured
+    from generator.report.subjects import calls, subjects
+
+    require_runs(host, target)
+    command = f"./gen report{options} --measure --seconds {seconds:g}"
+    with workbench() as bench:
+        found = subjects(ROOT / "generated", target, scene, model, bench.compilers, stored.finals)
+        called = calls(found, stored.finals)
+        made = measure(bench, found, called, target, host, scene, model, seconds, command)
+    write_measured(kept, made)

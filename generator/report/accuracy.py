@@ -1,0 +1,82 @@
+"""Errors of kernels against the exact result: by output, by kind, and the worst input of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from generator.choice.workbench import Expected
+from generator.report.measured import WorstInput
+from generator.timing.bench_tool import BenchTool
+from generator.verification.errors import (
+    CASE_COLUMNS,
+    SLIPS,
+    STATUS,
+    STICKS,
+    VELOCITIES,
+    Array,
+    component_errors,
+    errors_of,
+    relative_speed,
+)
+from generator.verification.reference import OUTCOME_NAMES
+
+_SPIN_COLUMNS = [n for n, name in enumerate(OUTCOME_NAMES) if name.startswith("w")]
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Largest errors of one kernel, relative to |v1 - v2|, spins as R w."""
+
+    largest: float
+    slipping: float  # without contacts that stick
+    outputs: dict[str, float]
+    by_case: Array
+    worst: WorstInput
+
+
+def accuracy_of(tool: BenchTool, library: Path, expected: Expected) -> Accuracy:
+    """Run all cases through a kernel."""
+    cases, exact = expected.cases, expected.exact
+    got = tool.run_kernel(library, cases, timeout=300.0)
+    relative = errors_of(cases, got, exact).relative
+    relative = np.where(got[:, STATUS] == exact[:, STATUS], relative, np.inf)
+    worst = int(np.argmax(relative))
+    return Accuracy(
+        largest=float(relative.max()),
+        slipping=float(relative[exact[:, STICKS] == SLIPS].max(initial=0.0)),
+        outputs=_by_output(cases, got, exact),
+        by_case=relative,
+        worst=WorstInput(
+            label=expected.labels[worst],
+            error=float(relative[worst]),
+            inputs=_hexadecimal(cases[worst, :CASE_COLUMNS]),
+            got=_hexadecimal(got[worst, :VELOCITIES]),
+            exact=_hexadecimal(exact[worst, :VELOCITIES]),
+        ),
+    )
+
+
+def _hexadecimal(row: Array) -> tuple[str, ...]:
+    return tuple(float(x).hex() for x in row)
+
+
+def _by_output(cases: Array, got: Array, exact: Array) -> dict[str, float]:
+    difference = component_errors(got[:, :VELOCITIES], exact[:, :VELOCITIES])
+    difference[:, _SPIN_COLUMNS] *= cases[:, :1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        relative = np.where(difference == 0, 0.0, difference / relative_speed(cases)[:, None])
+    return {name: float(relative[:, n].max()) for n, name in enumerate(OUTCOME_NAMES)}
+
+
+def kinds_of(labels: tuple[str, ...]) -> dict[str, Array]:
+    """Rows of each kind, by the kind that a label ends with; the paper's single cases as one."""
+    found: dict[str, list[int]] = {}
+    for row, label in enumerate(labels):
+        kind = label[label.rindex("(") + 1 : -1]
+        for family in ("seed_case", "mathavan_2014_shot"):
+            kind = family if kind.startswith(family) else kind
+        found.setdefault(kind, []).append(row)
+    return {kind: np.array(rows, dtype=int) for kind, rows in found.items()}

@@ -1,0 +1,357 @@
+"""From stored records and measurements to the data of the page. Nothing is measured here."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from generator import __version__
+from generator.report import contests as from_trials
+from generator.report.data import (
+    CallRow,
+    Chosen,
+    Contest,
+    GrowthFit,
+    GrowthRow,
+    KindCell,
+    KindRow,
+    Machine,
+    MissRow,
+    ModelRow,
+    Operations,
+    OutputErrors,
+    PlainPoint,
+    Report,
+    Sections,
+    Worst,
+)
+from generator.report.measured import KernelFigures, Measured
+from generator.report.published import NOT_KNOWN, published_rows
+from generator.report.subjects import BASELINE, BEST, EULER, role_of_budget
+from generator.sweep.record import Final, Run, Trial
+from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
+
+NOT_MEASURED = "not measured yet: ./gen report --measure"
+NO_SWEEP = "no sweep is stored for it: ./gen sweep"
+
+
+@dataclass(frozen=True)
+class Stored:
+    """What a store holds of one target, scene and model; `finals` by contest, the newest."""
+
+    runs: tuple[Run, ...]
+    trials: tuple[Trial, ...]
+    finals: dict[str, Final]
+
+
+def gather(
+    target: str,
+    scene: str,
+    model: str,
+    cpu: str,
+    stored: Stored,
+    measured: Measured | None,
+    commands: Sequence[str],
+) -> Report:
+    """All that is known; `missing` names what is not and the command that would make it known."""
+    contests = from_trials.contests_of(stored.trials, stored.finals)
+    calls = _calls(measured)
+    missing = _missing(stored, measured, contests, calls)
+    chosen = _chosen(stored, measured)
+    return Report(
+        title=f"Collision kernels for {target}",
+        scene=scene,
+        model=model,
+        machine=_machine(target, cpu, stored, measured),
+        sweep=from_trials.summary_of(stored.runs, stored.trials) if stored.trials else None,
+        chosen=tuple(chosen),
+        contests=tuple(contests),
+        points=tuple(_points(measured)),
+        outputs=tuple(OutputErrors(k.role, k.outputs) for k in _kernels(measured) if k.outputs),
+        worst=tuple(_worst(k, model) for k in _kernels(measured) if k.worst),
+        kinds=tuple(_kinds(measured)),
+        effects=tuple(from_trials.effects_of(contests)),
+        compilers=tuple(from_trials.effects_of(contests, only="compiler")),
+        growth=tuple(_growth(measured)),
+        growth_fits=tuple(_fits(measured)),
+        operations=tuple(_operations(k) for k in _kernels(measured) if k.counts),
+        sections=tuple(_sections(k) for k in _kernels(measured) if k.sections and k.timed),
+        modelled=tuple(_modelled(measured)),
+        misses=tuple(
+            MissRow(k.role, m.source, m.by, m.built_for, m.events)
+            for k in _kernels(measured)
+            for m in k.misses
+        ),
+        calls=calls,
+        published=tuple(published_rows(measured, calls)),
+        commands=tuple(commands),
+        missing=missing,
+    )
+
+
+def _kernels(measured: Measured | None) -> tuple[KernelFigures, ...]:
+    return measured.kernels if measured else ()
+
+
+def _machine(target: str, cpu: str, stored: Stored, measured: Measured | None) -> Machine:
+    runs = stored.runs
+    compilers = dict(measured.compilers if measured else runs[-1].compilers if runs else {})
+    seeds = dict(measured.seeds) if measured else {}
+    if runs:
+        seeds["sweep"] = runs[-1].seed
+    return Machine(
+        cpu=measured.cpu if measured else cpu,
+        target=target,
+        system=runs[-1].system if runs else f"{platform.system()} {platform.release()}",
+        compilers=compilers,
+        flags=dict(measured.flags) if measured else {},
+        seeds=seeds,
+        tsc_ghz=measured.tsc_ghz if measured else None,
+        control=measured.control if measured else None,
+        version=__version__,
+        measured_at=measured.made_at if measured else None,
+    )
+
+
+def _missing(
+    stored: Stored, measured: Measured | None, contests: Sequence[Contest], calls: Sequence[CallRow]
+) -> dict[str, str]:
+    """Reasons by the name of the page's section."""
+    found: dict[str, str] = {"published": NOT_KNOWN}
+    if not stored.trials:
+        found |= dict.fromkeys(("contests", "effects", "compilers"), NO_SWEEP)
+    elif not contests:
+        found["contests"] = "no variant of the stored sweep was timed"
+    if measured is None:
+        names = ("outputs", "worst", "kinds", "growth", "operations", "sections")
+        found |= dict.fromkeys((*names, "modelled", "misses", "calls"), NOT_MEASURED)
+        return found
+    if not any(row.width > 1 for row in calls):
+        found["lanes"] = (
+            "no kernel with lanes was chosen by a stored sweep, so batches go one collision after "
+            "the other; `./gen sweep --call batch` looks for one"
+        )
+    found |= _unmeasured(measured)
+    swept = {final.chosen for final in stored.finals.values()}
+    known = {kernel.name for kernel in measured.kernels} | {row.kernel for row in calls}
+    if stale := sorted(swept - known):
+        found["measured"] = (
+            f"{len(stale)} of the kernels that the sweep chose were not measured, as {stale[0]}: "
+            "./gen report --measure"
+        )
+    return found
+
+
+def _unmeasured(measured: Measured) -> dict[str, str]:
+    """What a tool could not do, once for all kernels that it failed for the same reason."""
+    roles: dict[tuple[str, str], list[str]] = {}
+    for kernel in measured.kernels:
+        for what, reason in kernel.missing.items():
+            roles.setdefault((what, reason), []).append(kernel.role)
+    everyone = sum(bool(kernel.kinds) for kernel in measured.kernels)
+    found = {}
+    for (what, reason), own in roles.items():
+        of = "all kernels" if len(own) == everyone else "; ".join(own)
+        found[f"{what} of {of}"] = reason
+    return found
+
+
+# -- what was chosen --
+
+
+def _chosen(stored: Stored, measured: Measured | None) -> list[Chosen]:
+    """The measured roles first, then what a sweep chose that was not measured."""
+    found = []
+    by_name = {f.chosen: f for f in stored.finals.values()}
+    for kernel in _kernels(measured):
+        assert measured is not None
+        featured = kernel.role in (BASELINE, BEST) or kernel.role.endswith("chosen")
+        if featured:
+            final = by_name.get(kernel.name)
+            found.append(_measured_choice(kernel, measured, final))
+    known = {choice.kernel for choice in found}
+    for final in stored.finals.values():
+        if final.chosen not in known:
+            found.append(_swept_choice(final))
+    return found
+
+
+def _measured_choice(kernel: KernelFigures, measured: Measured, final: Final | None) -> Chosen:
+    timed = kernel.timed
+    others = {role: measured.find(role) for role in (BEST, EULER)}
+    own = timed.ratio if timed else None
+
+    def than(role: str) -> float | None:
+        other = others[role]
+        return other.timed.ratio / own if own and other and other.timed else None
+
+    by = "the report" if kernel.role in (BASELINE, BEST) else "generated/, or the default"
+    if final is not None:
+        by = f"a sweep's final ({final.purpose})"
+    ties = final.ties if final else ()
+    return Chosen(
+        role=kernel.role,
+        kernel=kernel.name,
+        call="scalar",
+        width=1,
+        by=by,
+        ns=timed.ns if timed else None,
+        cycles=timed.cycles if timed else None,
+        ratio=own,
+        ratio_ci=timed.ratio_ci if timed else None,
+        times_faster=1 / own if own else None,
+        than_best=than(BEST),
+        than_euler=than(EULER),
+        error=kernel.error,
+        verified_error=kernel.verified_error,
+        ties=tuple(name for name in ties if name != kernel.name),
+    )
+
+
+def _swept_choice(final: Final) -> Chosen:
+    entry = next(f for f in final.finalists if f.subject.name == final.chosen)
+    subject, times = entry.subject, entry.times
+    role = EULER if subject.budget is None else role_of_budget(subject.budget)
+    return Chosen(
+        role=f"{role} by the sweep" if subject.call == "scalar" else f"{role}, batch",
+        kernel=final.chosen,
+        call=subject.call,
+        width=subject.width,
+        by=f"a sweep's final ({final.purpose})",
+        ns=times.ns,
+        cycles=times.cycles,
+        ratio=times.ratio,
+        ratio_ci=times.ratio_ci,
+        times_faster=1 / times.ratio,
+        than_best=None,
+        than_euler=None,
+        error=None if subject.budget is None else entry.max_rel_error,
+        verified_error=entry.max_rel_error,
+        ties=tuple(name for name in final.ties if name != final.chosen),
+    )
+
+
+def _points(measured: Measured | None) -> list[PlainPoint]:
+    """The chosen kernels, the report's, and fixed steps with other N, by their exact errors."""
+    if measured is None:
+        return []
+    first = measured.find(BASELINE)
+    if first is None or first.timed is None:
+        return []
+    base = first.timed.ns / first.timed.ratio
+    found = []
+    for kernel in measured.kernels:
+        if kernel.timed and kernel.error is not None:
+            group = "report" if kernel.role in (BASELINE, BEST) else "chosen"
+            found.append(
+                PlainPoint(kernel.role, group, kernel.timed.ns, kernel.timed.ratio, kernel.error)
+            )
+    for point in measured.growth:
+        if point.role == EULER:
+            label = f"Euler, N = {point.steps}"
+            found.append(PlainPoint(label, "euler", point.ns, point.ns / base, point.error))
+    return found
+
+
+# -- what was measured --
+
+
+def _worst(kernel: KernelFigures, model: str) -> Worst:
+    assert kernel.worst is not None
+    goal = f"--steps {kernel.steps}" if kernel.steps else f"--max-error {kernel.budget:g}"
+    header = ",".join(("id", *CASE_NAMES))
+    row = ",".join(("worst", *kernel.worst.inputs))
+    return Worst(
+        role=kernel.role,
+        kernel=kernel.name,
+        label=kernel.worst.label,
+        error=kernel.worst.error,
+        names=CASE_NAMES,
+        inputs=kernel.worst.inputs,
+        outputs=OUTCOME_NAMES,
+        got=kernel.worst.got,
+        exact=kernel.worst.exact,
+        commands=(
+            f"printf '%s\\n' {header} {row} > worst.csv",
+            f"./gen collide --cases worst.csv --out outcome.csv --model {model} {goal}",
+        ),
+    )
+
+
+def _kinds(measured: Measured | None) -> list[KindRow]:
+    kernels = [k for k in _kernels(measured) if k.kinds]
+    names = dict.fromkeys(kind for kernel in kernels for kind in kernel.kinds)
+    return [
+        KindRow(
+            kind=kind,
+            cases=max(k.kinds[kind].cases for k in kernels if kind in k.kinds),
+            cells={
+                k.role: KindCell(k.kinds[kind].error, k.kinds[kind].ns, k.kinds[kind].evaluations)
+                for k in kernels
+                if kind in k.kinds
+            },
+        )
+        for kind in sorted(names)
+    ]
+
+
+def _growth(measured: Measured | None) -> list[GrowthRow]:
+    rows = measured.growth if measured else ()
+    return [GrowthRow(p.role, p.steps, p.ns, p.error, p.slipping_error) for p in rows]
+
+
+def _fits(measured: Measured | None) -> list[GrowthFit]:
+    """What each step takes and what none of them does: least squares of relative deviations."""
+    found = []
+    for role in dict.fromkeys(point.role for point in (measured.growth if measured else ())):
+        assert measured is not None
+        own = [point for point in measured.growth if point.role == role]
+        if len(own) > 1:
+            steps, ns = np.array([[p.steps, p.ns] for p in own], dtype=float).T
+            per_step, fixed = np.polyfit(steps, ns, 1, w=1 / ns)
+            found.append(GrowthFit(role, float(fixed), float(per_step)))
+    return found
+
+
+def _operations(kernel: KernelFigures) -> Operations:
+    counts, cycles = kernel.counts, kernel.timed.cycles if kernel.timed else None
+    assert counts is not None
+    return Operations(
+        role=kernel.role,
+        per_step=counts.per_step,
+        stated=counts.stated,
+        per_collision=counts.per_collision,
+        evaluations=counts.evaluations,
+        flops=counts.flops,
+        cycles=cycles,
+        flops_per_cycle=counts.flops / cycles if cycles else None,
+        refused=counts.refused,
+    )
+
+
+def _sections(kernel: KernelFigures) -> Sections:
+    assert kernel.sections is not None
+    assert kernel.timed is not None
+    shares, ns = kernel.sections.shares, kernel.timed.ns
+    return Sections(
+        kernel.role,
+        shares,
+        {name: share * ns for name, share in shares.items()},
+        kernel.sections.samples,
+    )
+
+
+def _modelled(measured: Measured | None) -> list[ModelRow]:
+    return [
+        ModelRow(k.role, m.target, m.cpu, m.cycles, m.bound, m.uops, m.ipc, m.bottleneck, m.note)
+        for k in _kernels(measured)
+        for m in k.modelled
+    ]
+
+
+def _calls(measured: Measured | None) -> tuple[CallRow, ...]:
+    rows = measured.calls if measured else ()
+    return tuple(CallRow(p.role, p.name, p.width, p.call, p.ns, p.ratio, p.ratio_ci) for p in rows)

@@ -1,0 +1,187 @@
+"""What `./gen report --measure` measures beyond a sweep, and how it is kept. Plain data.
+
+Times are in ns for one collision, errors relative to |v1 - v2| before it (R w for spins) unless a
+name says otherwise. The file is JSON; `read_measured` is strict about its fields.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from generator.emission.files import write_atomically
+from generator.errors import InputError
+
+SCHEMA = 1
+Source = Literal["hardware counters", "valgrind's simulation"]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants")
+
+
+class Timed(_Part):
+    """A kernel in the plan that holds all of them, interleaved with `paper-initial`."""
+
+    ns: float
+    cycles: float  # of the time stamp counter
+    ratio: float
+    ratio_ci: tuple[float, float]
+    latency_ns: float | None
+    seed_ns: float | None  # mean over the report's five cases
+    seed_cycles: float | None
+
+
+class WorstInput(_Part):
+    """The case with the largest error against the exact result."""
+
+    label: str
+    error: float
+    inputs: tuple[str, ...]  # the 24 numbers of a case, as hexadecimal floats
+    got: tuple[str, ...]  # 12 velocities
+    exact: tuple[str, ...]
+
+
+class KindFigures(_Part):
+    """A kind of cases through one kernel."""
+
+    cases: int
+    error: float  # largest, against the exact result
+    ns: float | None
+    evaluations: float  # of the rates a collision; iterations of a fixed-step kernel
+
+
+class Counts(_Part):
+    """Operations, counted by running the kernel with a number type that counts."""
+
+    per_collision: dict[str, float]
+    per_step: dict[str, int]  # the usual iteration, or step of an exact kernel; as its file states
+    stated: str  # the text of the count in the generated file
+    evaluations: float
+    flops: float  # a collision, an FMA counted as two
+    refused: float  # share of the iterations in which a guessed root was refused
+
+
+class MissFigures(_Part):
+    """Branch and cache misses a collision, and by what they were found."""
+
+    source: Source
+    by: str  # the version of valgrind, or the CPU
+    built_for: str  # the target that the kernel was built for
+    events: dict[str, float]
+
+
+class SectionShares(_Part):
+    """Shares of the samples of the program counter."""
+
+    shares: dict[str, float]
+    unknown: float
+    samples: int
+
+
+class Modelled(_Part):
+    """llvm-mca's figures for one iteration of the loop on a target."""
+
+    target: str
+    cpu: str
+    cycles: float | None
+    bound: float | None  # cycles if nothing waited for a result
+    uops: float | None
+    ipc: float | None
+    bottleneck: str
+    note: str  # why there is no figure, or what was taken
+
+
+class KernelFigures(_Part):
+    """All that was measured of one kernel; None: not measured, `missing` says why."""
+
+    role: str  # `paper-initial`, ..., `Euler, chosen`, `E = 1e-06, chosen`
+    name: str
+    steps: int | None
+    budget: float | None
+    timed: Timed | None
+    verified_error: float | None  # against what the kernel must reproduce
+    error: float | None  # largest, against the exact result
+    outputs: dict[str, float]  # largest error of each velocity against the exact result
+    worst: WorstInput | None
+    kinds: dict[str, KindFigures]
+    counts: Counts | None
+    sections: SectionShares | None
+    misses: tuple[MissFigures, ...]
+    modelled: tuple[Modelled, ...]
+    missing: dict[str, str]
+
+
+class GrowthPoint(_Part):
+    """A kernel's time and error with another number of steps."""
+
+    role: str
+    steps: int
+    ns: float
+    error: float  # largest, against the exact result
+    slipping_error: float  # the same without contacts that stick
+
+
+class CallPoint(_Part):
+    """A kernel through carom_collide or carom_collide_batch, against the scalar call."""
+
+    role: str
+    name: str
+    width: int
+    call: Literal["scalar", "batch"]
+    ns: float
+    ratio: float  # to the scalar call of the same goal
+    ratio_ci: tuple[float, float]
+
+
+class Measured(_Part):
+    """The file."""
+
+    schema_version: Literal[1] = SCHEMA
+    made_at: str
+    command: str
+    cpu: str
+    target: str
+    scene: str
+    model: str
+    compilers: dict[str, str]
+    flags: dict[str, str]  # by role
+    seeds: dict[str, int]
+    tsc_ghz: float
+    control: tuple[float, float]  # ratios that the baseline has to itself
+    rounds: int
+    timing_cases: int
+    verified_cases: int
+    kernels: tuple[KernelFigures, ...]
+    growth: tuple[GrowthPoint, ...]
+    calls: tuple[CallPoint, ...]
+
+    def find(self, role: str) -> KernelFigures | None:
+        return next((k for k in self.kernels if k.role == role), None)
+
+
+def measured_path(cache: Path, target: str, scene: str, model: str) -> Path:
+    return cache / "report" / f"{target}.{scene}.{model}.json"
+
+
+def write_measured(path: Path, measured: Measured) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_atomically(path, measured.model_dump_json(indent=1) + "\n")
+
+
+def read_measured(path: Path) -> Measured | None:
+    """What was measured before; None where nothing was. InputError where it does not read."""
+    if not path.exists():
+        return None
+    try:
+        return Measured(**json.loads(path.read_text("utf-8")))
+    except (OSError, ValueError, TypeError) as error:
+        first = error.errors()[0] if isinstance(error, ValidationError) else None
+        where = ".".join(str(part) for part in first["loc"]) if first else "(file)"
+        reason = first["msg"] if first else str(error)
+        raise InputError(
+            f"{path}: {where}: {reason}; make it anew with ./gen report --measure"
+        ) from None

@@ -1,0 +1,127 @@
+"""Which kernels a report is about, and by what role it calls them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator.choice.candidates import baseline, paper_rows
+from generator.choice.lookup import Goal, kernel_for, with_compiler_found
+from generator.sweep.record import Final
+from generator.sweep.space import variant_of_subject
+from generator.targets.target import Target
+from generator.toolchain.compilers import Compiler
+from generator.variants.names import name_of
+from generator.variants.rules import broken_rule
+from generator.variants.variant import Stepper, Variant
+
+STEPS = 1000
+BUDGETS = (1e-3, 1e-6, 1e-9)
+BASELINE, BEST, EULER = "paper-initial", "paper-best", "Euler, chosen"
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A kernel and its role. `featured`: everything is measured of it, else only its time."""
+
+    role: str
+    variant: Variant
+    featured: bool
+
+    @property
+    def name(self) -> str:
+        return name_of(self.variant)
+
+
+@dataclass(frozen=True)
+class Called:
+    """A kernel by the function that it is called through. `role` is shared by those compared."""
+
+    role: str
+    variant: Variant
+    batch: bool
+
+
+def role_of_budget(budget: float) -> str:
+    return f"E = {budget:.0e}, chosen"
+
+
+def last_finals(finals: Iterable[Final], target: str, scene: str, model: str) -> dict[str, Final]:
+    """The newest final of each contest of a target, scene and model; re-timings do not choose."""
+    prefix = f"{target}/{scene}/{model}/"
+    found = {}
+    for final in finals:
+        if final.contest.startswith(prefix) and final.purpose != "retiming":
+            found[final.contest] = final
+    return found
+
+
+def _chosen_by_sweep(finals: dict[str, Final], call: str) -> dict[tuple[int | None, str], Variant]:
+    """By steps, or by budget as text; the finals of one way to call."""
+    found = {}
+    for final in finals.values():
+        subject = next((f.subject for f in final.finalists if f.subject.name == final.chosen), None)
+        if subject is None or subject.call != call:
+            continue
+        budget = "" if subject.budget is None else f"{subject.budget:.0e}"
+        try:
+            found[subject.steps, budget] = variant_of_subject(subject)
+        except ValueError:
+            continue  # of a registry that had other options
+    return found
+
+
+def subjects(
+    generated: Path,
+    target: Target,
+    scene: str,
+    model: str,
+    compilers: dict[str, Compiler],
+    finals: dict[str, Final],
+) -> list[Subject]:
+    """The baseline first; what a sweep chose, else what `generated/` holds, else the default."""
+    codes = list(compilers)
+    rows = paper_rows(target.name, scene, model, Stepper("euler", steps=STEPS))
+    rows[BASELINE] = baseline(target, scene, model, STEPS, codes)
+    found = [Subject(role, variant, role in (BASELINE, BEST)) for role, variant in rows.items()]
+    chosen = _chosen_by_sweep(finals, "scalar")
+    goals = [(EULER, Goal(steps=STEPS), (STEPS, ""))]
+    goals += [(role_of_budget(b), Goal(budget=b), (None, f"{b:.0e}")) for b in _budgets(chosen)]
+    for role, goal, key in goals:
+        variant = chosen.get(key)
+        if variant is None:
+            variant = kernel_for(generated, "native", target, scene, model, goal)
+        found.append(Subject(role, variant, True))
+    fitted = [_fitted(subject, target, compilers) for subject in found]
+    return [subject for subject in fitted if broken_rule(subject.variant, target) is None]
+
+
+def _budgets(chosen: Iterable[tuple[int | None, str]]) -> Sequence[float]:
+    swept = {float(budget) for _, budget in chosen if budget}
+    return tuple(sorted(swept | set(BUDGETS), reverse=True))
+
+
+def _fitted(subject: Subject, target: Target, compilers: dict[str, Compiler]) -> Subject:
+    """With a compiler that is here, and without FMA where the target has none."""
+    variant = with_compiler_found(subject.variant, dict(compilers))
+    if not target.has("fma"):
+        variant = variant.with_options(fma="nofma")
+    return Subject(subject.role, variant, subject.featured)
+
+
+def calls(found: Sequence[Subject], finals: dict[str, Final]) -> list[Called]:
+    """For each goal: the scalar call first, the same kernel's batch, the sweep's choice for it."""
+    batches = _chosen_by_sweep(finals, "batch")
+    listed = []
+    for subject in found:
+        if not subject.featured or subject.role == BEST:
+            continue
+        stepper = subject.variant.stepper
+        listed.append(Called(subject.role, subject.variant, False))
+        listed.append(Called(subject.role, subject.variant, True))
+        budget = "" if stepper.budget is None else f"{stepper.budget:.0e}"
+        lanes = batches.get((stepper.steps, budget))
+        if lanes is not None and subject.role != BASELINE and lanes != subject.variant:
+            listed.append(Called(subject.role, lanes, True))
+    return listed

@@ -1,0 +1,213 @@
+"""Times of a report: all kernels, kind by kind, with other numbers of steps, in batches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from generator.choice.workbench import Candidate, Expected, Workbench
+from generator.report.accuracy import Accuracy, accuracy_of, kinds_of
+from generator.report.measured import CallPoint, GrowthPoint, Timed
+from generator.report.profile import Profile
+from generator.report.subjects import BASELINE, EULER, Called, Subject
+from generator.scenes.scene import find_scene
+from generator.targets.target import Target
+from generator.timing.plan import PlannedKernel, TimingPlan
+from generator.timing.ratios import TimingRun, median_interval, timing_results
+from generator.variants.names import name_of
+from generator.variants.variant import Stepper
+from generator.verification.errors import Array
+from generator.verification.reference import load_reference
+
+GROWTH = (10, 100, 1000, 10_000, 100_000)
+SLOW = 10_000  # from here on, errors over the reference alone and times in a plan of their own
+KIND_CASES = 256  # the most that a kind is timed on
+
+
+@dataclass
+class Study:
+    """A subject on its way."""
+
+    subject: Subject
+    candidate: Candidate
+    timed: Timed | None = None
+    accuracy: Accuracy | None = None
+    profile: Profile | None = None
+
+
+def time_all(
+    bench: Workbench, studies: Sequence[Study], cases: Array, scene: str, seconds: float
+) -> TimingRun:
+    """All subjects interleaved with the baseline, on mixed cases and on the report's five."""
+    unique = {s.candidate.name: s.candidate for s in studies if not s.candidate.rejected}
+    kernels = tuple(
+        PlannedKernel(name, c.library.path, latency=True)
+        for name, c in unique.items()
+        if c.library is not None
+    )
+    reference = load_reference()
+    seeds = reference.cases[reference.rows_of("seed_case")]
+    unrestricted = find_scene(scene).unrestricted
+    first = studies[0].candidate.name
+    bench.progress(f"timing {len(kernels)} kernels for {seconds:.0f} s", 0, 1)
+    plan = TimingPlan(
+        cases, kernels, first, seeds if unrestricted else None, rounds=1000, seconds=seconds
+    )
+    run = bench.tool.time(plan)
+    results = {result.name: result for result in timing_results(run)}
+    for study in studies:
+        result = results.get(study.candidate.name)
+        if result is not None:
+            cycles = None if result.seed_ns is None else result.seed_ns * run.tsc_ghz
+            study.timed = Timed(
+                ns=result.ns,
+                cycles=result.cycles,
+                ratio=result.ratio,
+                ratio_ci=result.ratio_ci,
+                latency_ns=result.latency_ns,
+                seed_ns=result.seed_ns,
+                seed_cycles=cycles,
+            )
+    return run
+
+
+def time_kinds(
+    bench: Workbench, featured: Sequence[Study], expected: Expected, seconds: float
+) -> dict[str, dict[str, float]]:
+    """ns by kind and kernel name, all kernels interleaved on the cases of one kind."""
+    kinds = kinds_of(expected.labels)
+    unique = {s.candidate.name: s.candidate for s in featured}
+    kernels = tuple(
+        PlannedKernel(name, c.library.path) for name, c in unique.items() if c.library is not None
+    )
+    found = {}
+    for index, (kind, rows) in enumerate(kinds.items()):
+        bench.progress("timing kind by kind", index, len(kinds))
+        # A list shorter than a window is timed over and over.
+        cases = expected.cases[np.resize(rows, max(16, min(len(rows), KIND_CASES)))]
+        share = max(0.3, seconds / len(kinds))
+        plan = TimingPlan(cases, kernels, kernels[0].name, rounds=200, seconds=share)
+        found[kind] = {r.name: r.ns for r in timing_results(bench.tool.time(plan))}
+    return found
+
+
+def growth_of(
+    bench: Workbench,
+    studies: Sequence[Study],
+    target: Target,
+    cases: Array,
+    expected: Expected,
+    seconds: float,
+) -> list[GrowthPoint]:
+    """The baseline and the chosen Euler kernel, made for other numbers of steps.
+
+    Times are ratios to the baseline in the same rounds, times what the baseline takes among all.
+    """
+    rows = [
+        (s.subject.role, steps, replace(s.subject.variant, stepper=Stepper("euler", steps=steps)))
+        for s in studies
+        if s.subject.role in (BASELINE, EULER) and not s.candidate.rejected
+        for steps in GROWTH
+    ]
+    candidates = bench.prepare([variant for _, _, variant in rows], target)
+    bench.compile(candidates)
+    named = [
+        (role, steps, c)
+        for (role, steps, _), c in zip(rows, candidates, strict=True)
+        if c.library is not None
+    ]
+    first = studies[0]
+    assert first.timed is not None
+    ratios: dict[str, float] = {}
+    for slow in (False, True):
+        own = {first.candidate.name: first.candidate}
+        own |= {c.name: c for _, steps, c in named if (steps >= SLOW) == slow}
+        kernels = tuple(PlannedKernel(n, c.library.path) for n, c in own.items() if c.library)
+        bench.progress("timing growth with N", int(slow), 2)
+        plan = TimingPlan(cases, kernels, first.candidate.name, rounds=200, seconds=seconds / 2)
+        ratios |= {r.name: r.ratio for r in timing_results(bench.tool.time(plan))}
+    times = {name: ratio * first.timed.ns for name, ratio in ratios.items()}
+    few = _some_rows(expected, slice(0, expected.reference_rows or 500))
+    return [
+        _point(bench, role, n, c, few if n >= SLOW else expected, times) for role, n, c in named
+    ]
+
+
+def _point(
+    bench: Workbench,
+    role: str,
+    steps: int,
+    candidate: Candidate,
+    expected: Expected,
+    times: dict[str, float],
+) -> GrowthPoint:
+    assert candidate.library is not None
+    accuracy = accuracy_of(bench.tool, candidate.library.path, expected)
+    return GrowthPoint(
+        role=role,
+        steps=steps,
+        ns=times[candidate.name],
+        error=accuracy.largest,
+        slipping_error=accuracy.slipping,
+    )
+
+
+def _some_rows(expected: Expected, rows: slice) -> Expected:
+    """Some of the cases alone."""
+    return replace(
+        expected,
+        cases=expected.cases[rows],
+        exact=expected.exact[rows],
+        euler=None if expected.euler is None else expected.euler[rows],
+        labels=expected.labels[rows],
+    )
+
+
+def time_calls(
+    bench: Workbench,
+    called: Sequence[Called],
+    target: Target,
+    cases: Array,
+    expected: Expected,
+    seconds: float,
+) -> list[CallPoint]:
+    """Each goal's kernels through either function, on cases that share all parameters but u_b."""
+    candidates = bench.prepare([c.variant for c in called], target)
+    bench.compile(candidates)
+    bench.verify(candidates, expected)
+    shared = cases.copy()
+    shared[:, :6] = cases[0, :6]
+    shared[:, 4] = cases[:, 4]  # u_b
+    rows = [
+        (one, f"{index}", candidate)
+        for index, (one, candidate) in enumerate(zip(called, candidates, strict=True))
+        if candidate.library is not None and not candidate.rejected
+    ]
+    if not rows:
+        return []
+    bench.progress("timing batches", 0, 1)
+    planned = tuple(
+        PlannedKernel(label, candidate.library.path, batch=one.batch)
+        for one, label, candidate in rows
+        if candidate.library is not None
+    )
+    run = bench.tool.time(TimingPlan(shared, planned, planned[0].name, rounds=400, seconds=seconds))
+    scalar = {one.role: label for one, label, _ in reversed(rows) if not one.batch}
+    return [
+        _call(run, one, label, scalar[one.role]) for one, label, _ in rows if one.role in scalar
+    ]
+
+
+def _call(run: TimingRun, one: Called, label: str, scalar: str) -> CallPoint:
+    ratios = run.throughput.ns[label] / run.throughput.ns[scalar]
+    return CallPoint(
+        role=one.role,
+        name=name_of(one.variant),
+        width=one.variant.width,
+        call="batch" if one.batch else "scalar",
+        ns=float(np.median(run.throughput.ns[label])),
+        ratio=float(np.median(ratios)),
+        ratio_ci=median_interval(ratios),
+    )

@@ -1,0 +1,301 @@
+"""The report: made from what is stored, page and data with the same numbers, seen in a browser."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from browser import ask, picture, script
+from click.testing import CliRunner, Result
+from stored_report import EFFECTS, MadeStore, make_measured, make_store
+
+import generator.cli.session as session
+from generator.cli.case_table import read_case_table
+from generator.cli.main import gen
+from generator.report.accuracy import kinds_of
+from generator.report.contests import contests_of, effects_of
+from generator.report.gather import gather
+from generator.report.measured import Measured, measured_path, read_measured, write_measured
+from generator.report.page import render
+from generator.report.published import NUMBA_CYCLES
+from generator.sweep.store import read_only
+from generator.variants.presets import PAPER_PRESETS
+from generator.verification.reference import CASE_NAMES, load_reference
+
+TARGET = "zen3"
+VARIANTS = 1500  # about what a default sweep tries
+SIZES = [(1280, False), (1280, True), (390, False), (390, True)]
+
+
+@dataclass(frozen=True)
+class Made:
+    page: Path
+    data: Path
+    seconds: float
+    store: MadeStore
+
+    def document(self) -> dict:
+        return json.loads(self.data.read_text("utf-8"))
+
+
+def _run(*arguments: object) -> Result:
+    return CliRunner().invoke(gen, [str(a) for a in arguments])
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Made]:
+    """The page of a store as large as a default sweep's, with everything measured."""
+    folder = tmp_path_factory.mktemp("report")
+    store = make_store(folder / "s.sqlite", TARGET, VARIANTS)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(session, "cache_folder", lambda: folder)
+        kept = measured_path(folder, TARGET, "any", "mathavan2014")
+        write_measured(kept, make_measured(TARGET))
+        page = folder / "report.html"
+        start = time.monotonic()
+        result = _run("report", "--target", TARGET, "--store", store.path, "--out", page)
+        seconds = time.monotonic() - start
+    assert result.exit_code == 0, result.output
+    yield Made(page, page.with_suffix(".json"), seconds, store)
+
+
+def test_a_report_of_a_stored_sweep_takes_under_30_s_and_3_mb(made: Made) -> None:
+    size = made.page.stat().st_size / 1e6
+    print(f"{made.store.trials} trials: {made.seconds:.1f} s, {size:.2f} MB")
+    assert made.store.trials > 1000
+    assert made.seconds < 30
+    assert size < 3
+
+
+def test_the_page_is_one_file_without_scripts_that_run_and_without_a_network(made: Made) -> None:
+    text = made.page.read_text("utf-8")
+    page, script, data = text.partition('<script type="application/json" id="data">')
+    assert script
+    assert text.count("<script") == 1  # which is data
+    assert not re.search(r"<(link|img|iframe|object|embed|video|audio)\b", page)
+    assert not re.search(r"""(?:src|href)\s*=\s*["'](?!#)|url\(|@import|\bon\w+\s*=""", page)
+    embedded = json.loads(data.partition("</script>")[0].replace("<\\/", "</"))
+    assert embedded == made.document()
+
+
+def test_what_the_issue_lists_stands_in_its_order(made: Made) -> None:
+    found = re.findall(r'<section id="(\w+)">', made.page.read_text("utf-8"))
+    wanted = ["chosen", "contests", "outputs", "worst", "kinds", "effects", "growth", "operations"]
+    wanted += ["sections", "modelled", "compilers", "misses", "calls", "published", "machine"]
+    assert found == wanted
+
+
+def test_numbers_in_the_page_equal_those_in_the_data(made: Made) -> None:
+    found = ask(made.page, script("numbers"))
+    print(f"{found['count']} numbers, {found['empty']} that are not known")
+    assert found["wrong"] == []
+    assert found["count"] > 2000
+
+
+@pytest.mark.parametrize(("width", "dark"), SIZES)
+def test_plots_are_there_with_labels_and_legends_and_nothing_overlaps(
+    made: Made, width: int, dark: bool
+) -> None:
+    plots = {plot["name"]: plot for plot in ask(made.page, script("plots"), width, dark)}
+    for plot in plots.values():
+        print(f"{plot['name']}: {plot['marks']} marks, {plot['legend']} in the legend")
+        assert plot["marks"] == plot["wanted"] > 0, plot["name"]
+        assert plot["away"] == 0, plot["name"]
+        assert plot["legend"] > 0
+        assert all(plot["labels"])
+        assert plot["ticks"] >= 4
+        assert plot["colliding"] == []
+        assert plot["outside"] == []
+    data = made.document()
+    timed = {c["name"]: len(c["variants"]) for c in data["contests"]}
+    exact = sum(n for name, n in timed.items() if "/e" in name and name.endswith("scalar"))
+    assert plots["exact-scalar"]["marks"] == exact + len(data["points"])
+    assert plots["euler-scalar-N=1000"]["marks"] == timed[f"{TARGET}/any/mathavan2014/n1000/scalar"]
+    assert plots["euler-batch-N=1000"]["marks"] == timed[f"{TARGET}/any/mathavan2014/n1000/batch"]
+    assert plots["growth-time"]["marks"] == len(data["growth"])
+    assert plots["sections"]["marks"] == len(data["sections"])
+    assert {"effects-euler", "effects-exact", "growth-error"} <= set(plots)
+
+
+# Machado, Oliveira and Fernandes (2009), severity 1, on linear RGB.
+_BLIND = {
+    "protanopia": [[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]],
+    "deuteranopia": [[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]],
+    "none": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+}
+
+
+def _lab(colour: list[float], matrix: list[list[float]]) -> np.ndarray:
+    """A colour of 0 to 255 as a reader with this vision sees it, in CIE Lab."""
+    rgb = np.array(colour) / 255
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    seen = np.clip(np.array(matrix) @ linear, 0, 1)
+    to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    xyz = (np.array(to_xyz) @ seen) / np.array([0.9505, 1.0, 1.089])
+    f = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+@pytest.mark.parametrize(("width", "dark"), SIZES)
+def test_the_page_fits_and_its_colours_can_be_told_apart(
+    made: Made, width: int, dark: bool
+) -> None:
+    found = ask(made.page, script("layout"), width, dark)
+    assert (sum(found["paper"]) < 384) == dark
+    assert found["wide"] == []
+    assert found["scroll"] <= found["client"] + 1
+    least = min(found["contrast"])
+    for vision, matrix in _BLIND.items():
+        seen = [_lab(colour, matrix) for colour in found["colours"]]
+        pairs = itertools.combinations(range(len(seen)), 2)
+        near = min((float(np.linalg.norm(seen[a] - seen[b])), a, b) for a, b in pairs)
+        print(f"{vision}: the nearest two colours are {near[0]:.0f} apart in Lab: {near[1:]}")
+        assert near[0] > 10, vision
+    print(f"contrast: text {found['text']:.1f}, the faintest mark {least:.1f}")
+    assert found["text"] > 7
+    assert least > 2
+
+
+def test_a_picture_can_be_taken(made: Made, tmp_path: Path) -> None:
+    out = tmp_path / "page.png"
+    picture(made.page, out, 1280, 900, dark=False)
+    assert out.stat().st_size > 20_000
+
+
+def test_the_effect_of_each_option_is_found_from_pairs(made: Made) -> None:
+    with read_only(made.store.path) as store:
+        effects = effects_of(contests_of(store.trials(), {}))
+    checked = 0
+    for effect in effects:
+        wanted = EFFECTS.get(effect.code, 1.0) / EFFECTS.get(effect.other, 1.0)
+        assert effect.ratio == pytest.approx(wanted), effect
+        assert effect.ratio_ci[0] <= effect.ratio <= effect.ratio_ci[1]
+        checked += effect.pairs
+    print(f"{len(effects)} pairs of codes, {checked} pairs of variants")
+    assert {"rsqrt", "branch", "compiler", "loop", "root"} <= {e.axis for e in effects}
+
+
+def test_the_front_holds_no_variant_that_another_beats(made: Made) -> None:
+    for contest in made.document()["contests"]:
+        points = contest["variants"]
+        for point in points:
+            beaten = any(
+                (p["ratio"], p["error"]) != (point["ratio"], point["error"])
+                and p["ratio"] <= point["ratio"]
+                and p["error"] <= point["error"]
+                for p in points
+            )
+            assert not (point["front"] and beaten), point["name"]
+        assert any(p["front"] for p in points)
+        assert sum(p["tie"] for p in points) == 2
+
+
+def test_rejections_are_counted_by_reason(made: Made) -> None:
+    assert made.document()["sweep"]["rejected"] == {"wrong result": made.store.rejected}
+
+
+def test_the_report_s_own_figures_stand_beside_ours_and_none_is_invented(made: Made) -> None:
+    rows = {row["preset"]: row for row in made.document()["published"] if row["preset"]}
+    assert {p.name: p.report_cycles for p in PAPER_PRESETS} == {
+        name: row["their_cycles"] for name, row in rows.items()
+    }
+    assert made.document()["published"][0]["their_cycles"] == NUMBA_CYCLES
+    assert all(row["their_cycles"] or row["note"] for row in rows.values())
+    assert rows["paper-initial"]["our_ratio"] == 1
+    assert rows["paper-simd"]["our_cycles"] is None  # was not measured
+    assert "not measured" in rows["paper-simd"]["note"]
+
+
+def test_hexadecimal_floats_of_the_page_are_read_back_to_the_bit(made: Made) -> None:
+    worst = made.document()["worst"][0]
+    header, row = worst["commands"][0].split()[2:4]
+    path = made.page.parent / "worst.csv"
+    # R and M of the made-up case would be out of a table's range: the reference's are not.
+    numbers = load_reference().cases[17]
+    row = ",".join(("worst", *(float(x).hex() for x in numbers)))
+    path.write_text(f"{header}\n{row}\n", encoding="utf-8")
+    assert header == ",".join(("id", *CASE_NAMES))
+    assert (read_case_table(path).rows[0] == numbers).all()
+    assert "./gen collide --cases worst.csv" in worst["commands"][1]
+
+
+def test_what_is_not_known_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "cache_folder", lambda: tmp_path)
+    page = tmp_path / "report.html"
+    nothing = _run("report", "--target", TARGET, "--out", page)
+    assert nothing.exit_code == 2
+    assert "./gen sweep --target zen3" in nothing.stderr
+    assert not page.exists()
+    write_measured(measured_path(tmp_path, TARGET, "any", "mathavan2014"), make_measured(TARGET))
+    assert _run("report", "--target", TARGET, "--out", page).exit_code == 0
+    text = page.read_text("utf-8")
+    assert "no sweep is stored for it: ./gen sweep" in text
+    store = make_store(tmp_path / "sweep.sqlite", TARGET, 60)
+    measured_path(tmp_path, TARGET, "any", "mathavan2014").unlink()
+    assert _run("report", "--target", TARGET, "--out", page).exit_code == 0
+    text = page.read_text("utf-8")
+    assert text.count("not measured yet: ./gen report --measure") >= 9
+    assert "Sections of the kernel" in text
+    assert store.trials > 60
+
+
+def test_a_broken_file_of_measurements_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "m.json"
+    document = json.loads(make_measured(TARGET).model_dump_json())
+    document["kernels"][0]["role"] = 7
+    path.write_text(json.dumps(document), encoding="utf-8")
+    with pytest.raises(Exception, match=r"m\.json: kernels\.0\.role"):
+        read_measured(path)
+    write_measured(path, make_measured(TARGET))
+    assert read_measured(path) == make_measured(TARGET)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (("--out", "report.pdf"), "expected the name of an HTML file"),
+        (("--out", "no/such/report.html"), "there is no folder"),
+        (("--out", "report.html", "--scene", "moon"), "no such scene"),
+        (("--out", "report.html", "--store", "none.sqlite"), "no store of a sweep"),
+    ],
+)
+def test_wrong_use_is_one_line_and_writes_nothing(
+    arguments: tuple[str, ...], parts: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = _run("report", *arguments)
+    print(result.stderr)
+    assert result.exit_code == 2
+    assert parts in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_kernels_with_markup_in_their_text_do_not_break_the_page() -> None:
+    measured: Measured = make_measured(TARGET)
+    kernels = (measured.kernels[0].model_copy(update={"missing": {"x": "</script><b>&"}}),)
+    stored = SimpleNamespace(runs=(), trials=(), finals={})
+    report = gather(
+        TARGET,
+        "any",
+        "mathavan2014",
+        "cpu",
+        stored,
+        measured.model_copy(update={"kernels": kernels}),
+        ["<b>"],
+    )
+    text = render(report)
+    assert "</script><b>" not in text
+    assert text.count("</script>") == 1
+
+
+def test_kinds_are_found_from_the_labels_of_cases() -> None:
+    kinds = kinds_of(("reference 3 (seed_case_1)", "reference 4 (seed_case_2)", "random 0 (flip)"))
+    assert {kind: list(rows) for kind, rows in kinds.items()} == {"seed_case": [0, 1], "flip": [2]}
