@@ -203,6 +203,7 @@ class ModelRow:
     uops: float | None
     ipc: float | None
     bottleneck: str
+    pressure: dict[str, float]  # cycles that each of the busiest units is busy
     note: str
 
 

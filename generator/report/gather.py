@@ -346,7 +346,18 @@ def _sections(kernel: KernelFigures) -> Sections:
 
 def _modelled(measured: Measured | None) -> list[ModelRow]:
     return [
-        ModelRow(k.role, m.target, m.cpu, m.cycles, m.bound, m.uops, m.ipc, m.bottleneck, m.note)
+        ModelRow(
+            role=k.role,
+            target=m.target,
+            cpu=m.cpu,
+            cycles=m.cycles,
+            bound=m.bound,
+            uops=m.uops,
+            ipc=m.ipc,
+            bottleneck=m.bottleneck,
+            pressure=dict(m.pressure),
+            note=m.note,
+        )
         for k in _kernels(measured)
         for m in k.modelled
     ]

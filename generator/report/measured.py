@@ -92,6 +92,7 @@ class Modelled(_Part):
     uops: float | None
     ipc: float | None
     bottleneck: str
+    pressure: tuple[tuple[str, float], ...]  # cycles that the busiest units are busy
     note: str  # why there is no figure, or what was taken
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
+from generator.choice.store import key_of
 from generator.choice.workbench import Candidate, Workbench
 from generator.emission.kernel_source import emit
 from generator.errors import InputError, KernelError
@@ -19,11 +22,13 @@ from generator.targets.target import Target, find_target, targets
 from generator.toolchain.build import build_library
 from generator.toolchain.compilers import Compiler
 from generator.toolchain.flags import compile_flags
+from generator.toolchain.mca import analyse, assembly_of, require_mca
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Variant
 from generator.verification.errors import Array
 
 SIMULATED = ("x86-64-v3", "x86-64-v2")  # what valgrind can run, the first that it does run
+_UNITS = 6  # of a CPU, the busiest ones
 Made = TypeVar("Made")
 
 
@@ -160,33 +165,49 @@ def _built(bench: Workbench, compiler: Compiler, variant: Variant, target: Targe
 
 
 def modelled(bench: Workbench, variant: Variant) -> tuple[Modelled, ...]:
-    """llvm-mca's figures for a variant on every target."""
-    return tuple(_modelled(bench, variant, target) for target in targets().values())
+    """llvm-mca's figures for the loop of a variant on every target, side by side."""
+
+    def one(target: Target) -> Modelled:
+        return _modelled(bench, variant, target)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return tuple(pool.map(one, targets().values()))
 
 
 def _modelled(bench: Workbench, variant: Variant, target: Target) -> Modelled:
     own = replace(variant, target=target.name)
     if not target.has("fma"):
         own = own.with_options(fma="nofma")
-    nothing = {"target": target.name, "cpu": target.row.mca_cpu, "bottleneck": ""}
+    nothing = {"target": target.name, "cpu": target.row.mca_cpu, "bottleneck": "", "pressure": ()}
     nothing |= dict.fromkeys(("cycles", "bound", "uops", "ipc"))
     if (rule := broken_rule(own, target)) is not None:
         return Modelled(**nothing, note=rule.reason)
     try:
-        (candidate,) = bench.prepare([own], target)
-        bench.model([candidate], target)
+        found = _loop_figures(bench, own, target)
     except (KernelError, InputError, ValueError) as error:
         return Modelled(**nothing, note=str(error))
-    if candidate.mca is None:
-        return Modelled(**nothing, note=candidate.rejected)
-    known = asdict(candidate.mca)
     return Modelled(
         target=target.name,
-        cpu=known["cpu"],
-        cycles=known["cycles_per_iteration"],
-        bound=known["throughput_bound"],
-        uops=known["uops"],
-        ipc=known["ipc"],
-        bottleneck=known["bottleneck"],
-        note=known["note"],
+        cpu=found["cpu"],
+        cycles=found["cycles_per_iteration"],
+        bound=found["throughput_bound"],
+        uops=found["uops"],
+        ipc=found["ipc"],
+        bottleneck=found["bottleneck"],
+        pressure=tuple((name, busy) for name, busy in found["pressure"][:_UNITS]),
+        note=found["note"],
     )
+
+
+def _loop_figures(bench: Workbench, variant: Variant, target: Target) -> dict[str, Any]:
+    """An McaReport as plain data, from the store or made now."""
+    source, compiler = emit(variant), bench.compilers[variant["compiler"]]
+    flags = compile_flags(variant, compiler, target)
+    sources = {"carom.h": source.header, "kernel.cpp": source.source}
+
+    def make() -> dict[str, Any]:
+        text = assembly_of(sources, (), compiler, flags, source.source_name)
+        return asdict(analyse(text, target))
+
+    tools = (compiler.version, flags, require_mca().version, target.row.mca_cpu)
+    return bench.store.kept("llvm-mca loops", key_of(sorted(sources.items()), tools), make)

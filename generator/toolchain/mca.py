@@ -44,6 +44,7 @@ class McaReport:
     ipc: float
     dispatch: int  # micro-operations the CPU can dispatch a cycle
     bottleneck: str
+    pressure: tuple[tuple[str, float], ...]  # cycles that each unit is busy, the busiest first
     path_cycles: tuple[float, ...]  # of each path simulated; the first is the one reported
     note: str  # what was taken: loops, paths, copies
 
@@ -129,23 +130,29 @@ def _simulate(
     return regions, units
 
 
-def _bottleneck(region: dict, units: list[str], copies: int) -> str:
+def _pressure(region: dict, units: list[str], copies: int) -> tuple[tuple[str, float], ...]:
+    """Cycles an iteration that each unit is busy, the busiest first; idle ones are left out."""
+    summary = region["SummaryView"]
+    last = summary["Instructions"] // summary["Iterations"]  # the row of sums
+    found = []
+    for info in region["ResourcePressureView"]["ResourcePressureInfo"]:
+        index, usage = info["ResourceIndex"], info["ResourceUsage"]
+        if info["InstructionIndex"] == last and usage > 0:
+            name = re.sub(r"\W+", "", units[index]) if index < len(units) else str(index)
+            found.append((name, usage / copies))
+    return tuple(sorted(found, key=lambda unit: (-unit[1], unit[0])))
+
+
+def _bottleneck(region: dict, pressure: tuple[tuple[str, float], ...], copies: int) -> str:
     summary = region["SummaryView"]
     trips = summary["Iterations"] * copies
     cycles, bound = summary["TotalCycles"] / trips, summary["BlockRThroughput"] / copies
     if cycles > 1.1 * bound:
         return f"waits for results: {cycles:.1f} cycles where the units need {bound:.1f}"
-    last = summary["Instructions"] // summary["Iterations"]  # the row of sums
-    pressure = {
-        info["ResourceIndex"]: info["ResourceUsage"] / copies
-        for info in region["ResourcePressureView"]["ResourcePressureInfo"]
-        if info["InstructionIndex"] == last
-    }
-    index = max(pressure, key=lambda n: pressure[n], default=None)
-    if index is None or pressure[index] < 0.9 * cycles:
+    if not pressure or pressure[0][1] < 0.9 * cycles:
         return f"dispatch: {summary['TotaluOps'] / trips:.0f} micro-operations"
-    name = re.sub(r"\W+", "", units[index]) if index < len(units) else str(index)
-    return f"unit {name}: busy {pressure[index]:.1f} of {cycles:.1f} cycles"
+    name, busy = pressure[0]
+    return f"unit {name}: busy {busy:.1f} of {cycles:.1f} cycles"
 
 
 def _candidates(assembly: str, region: str) -> tuple[list[LoopPath], str]:
@@ -187,6 +194,7 @@ def analyse(assembly: str, target: Target, region: str = "loop") -> McaReport:
     worst = max(range(len(paths)), key=lambda n: cycles[n])
     summary, per = regions[worst]["SummaryView"], paths[worst].iterations
     others = tuple(c for n, c in enumerate(cycles) if n != worst)
+    pressure = _pressure(regions[worst], units, per)
     return McaReport(
         cpu=target.row.mca_cpu,
         cycles_per_iteration=cycles[worst],
@@ -194,7 +202,8 @@ def analyse(assembly: str, target: Target, region: str = "loop") -> McaReport:
         throughput_bound=summary["BlockRThroughput"] / per,
         ipc=summary["IPC"],
         dispatch=summary["DispatchWidth"],
-        bottleneck=_bottleneck(regions[worst], units, per),
+        bottleneck=_bottleneck(regions[worst], pressure, per),
+        pressure=pressure,
         path_cycles=(cycles[worst], *others),
         note=f"{note}; {mca.version}",
     )
