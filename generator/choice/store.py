@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,13 +13,6 @@ import numpy as np
 
 from generator.emission.files import write_atomically
 from generator.verification.errors import Array
-
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def cache_folder() -> Path:
-    """Where builds and stored figures lie; CAROM_CACHE names another place."""
-    return Path(os.environ.get("CAROM_CACHE", ROOT / "build" / "cache"))
 
 
 def key_of(*parts: object) -> str:

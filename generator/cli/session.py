@@ -10,15 +10,15 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from generator.choice.store import ROOT, cache_folder
 from generator.choice.workbench import Workbench
 from generator.errors import InputError
+from generator.places import cache_folder, working_root
 from generator.targets.host import Host, read_host
 from generator.targets.target import Target, find_target
 from generator.timing.bench_tool import build_bench_tool
 from generator.toolchain.compilers import find_compilers, missing
 
-__all__ = ["ROOT", "cache_folder", "require_place", "resolve_target", "workbench"]
+ROOT = working_root()  # `generated/` is in it
 
 
 def resolve_target(name: str) -> tuple[Target, Host]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-from generator.choice.store import cache_folder
 from generator.choice.workbench import Candidate, Workbench, verification_hash
 from generator.errors import KernelError
+from generator.places import cache_folder
 from generator.sweep.record import Rejection
 from generator.sweep.station import Station, TimingJob
 from generator.targets.host import read_host

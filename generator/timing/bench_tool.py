@@ -21,11 +21,12 @@ from typing import Any, Literal
 import numpy as np
 
 from generator.errors import KernelCrash, KernelError
+from generator.places import sources
 from generator.timing.plan import Array, TimingPlan
 from generator.timing.ratios import TimingRun, timing_run
 from generator.toolchain.process import run
 
-ROOT = Path(__file__).parents[2]
+ROOT = sources()
 BUILD_TIMEOUT = 600.0  # seconds
 RUN_TIMEOUT = 120.0
 CASE_COLUMNS, OUTCOME_COLUMNS, EXPECTED_COLUMNS = 24, 13, 14  # of bench/case_rows.h

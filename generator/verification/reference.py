@@ -11,9 +11,10 @@ from types import MappingProxyType
 import numpy as np
 
 from generator.errors import InputError
+from generator.places import sources
 from generator.verification.errors import Array
 
-FOLDER = Path(__file__).parents[2] / "tests" / "data" / "reference"
+FOLDER = sources() / "tests" / "data" / "reference"
 MODELS = ("mathavan2014", "bottom_slip", "pooltool")
 EULER_STEPS = 1000
 _VECTORS = ("r", "v", "w")

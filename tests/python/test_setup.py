@@ -10,34 +10,36 @@ ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 
 
-def canonical(pin: str) -> str:
-    return re.sub(r"[-_.]+", "-", pin.split("==")[0]).lower() + "==" + pin.split("==")[1]
+def canonical(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
 
 
-def test_the_lock_holds_every_pin_of_the_project():
-    lines = (ROOT / "requirements.lock").read_text("utf-8").splitlines()
-    lock = {canonical(line) for line in lines if line and not line.startswith("#")}
-    wanted = PROJECT["project"]["dependencies"] + PROJECT["project"]["optional-dependencies"]["dev"]
-    assert {canonical(pin) for pin in wanted} <= lock
+def locked(name: str = "requirements.lock") -> dict[str, str]:
+    """Versions of a lock file by name."""
+    lines = (ROOT / name).read_text("utf-8").splitlines()
+    pins = [line.split("==") for line in lines if line and not line.startswith("#")]
+    return {canonical(name): version for name, version in pins}
+
+
+def test_the_lock_holds_every_requirement_of_the_project():
+    project, lock = PROJECT["project"], locked()
+    wanted = project["dependencies"] + project["optional-dependencies"]["dev"]
+    for requirement in (*wanted, *PROJECT["build-system"]["requires"]):
+        name, operator, version = re.fullmatch(r"([\w-]+)(==|>=)([\d.]+)", requirement).groups()
+        pinned = lock[canonical(name)]
+        assert pinned == version or operator == ">=", f"{requirement} is locked to {pinned}"
+
+
+def test_what_shapes_bytes_is_pinned_wherever_it_is_named():
+    project, build = PROJECT["project"]["dependencies"], PROJECT["build-system"]["requires"]
+    for name in ("clang-format", "jinja2", "sympy"):
+        for place in (project, build):
+            assert any(pin.startswith(f"{name}==") for pin in place), f"{name} in {place}"
 
 
 def test_the_lock_of_the_cluster_extra_holds_its_pins_and_nothing_that_the_other_has():
-    extra, lock = (
-        {
-            canonical(line)
-            for line in (ROOT / name).read_text("utf-8").splitlines()
-            if line and not line.startswith("#")
-        }
-        for name in ("requirements-cluster.lock", "requirements.lock")
-    )
-    wanted = PROJECT["project"]["optional-dependencies"]["cluster"]
-    assert {canonical(pin) for pin in wanted} <= extra
-    assert not {pin.split("==")[0] for pin in extra} & {pin.split("==")[0] for pin in lock}
-
-
-def test_every_room_is_packaged():
-    rooms = {
-        ".".join(path.parent.relative_to(ROOT).parts)
-        for path in (ROOT / "generator").rglob("__init__.py")
-    }
-    assert set(PROJECT["tool"]["setuptools"]["packages"]) >= rooms
+    extra, lock = locked("requirements-cluster.lock"), locked()
+    for pin in PROJECT["project"]["optional-dependencies"]["cluster"]:
+        name, version = pin.split("==")
+        assert extra[canonical(name)] == version
+    assert not extra.keys() & lock.keys()

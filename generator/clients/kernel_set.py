@@ -1,0 +1,113 @@
+"""The kernels that the Python module carries: every model and goal, for each level of x86-64.
+
+One C++ source a kernel, each with a prefix of its own, and a table that names them all. The module
+takes the first row that its CPU runs.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from generator.choice.lookup import Goal, default_kernel
+from generator.emission.client_file import client_file
+from generator.emission.files import write_atomically
+from generator.emission.kernel_source import KernelSource, Naming, emit
+from generator.scenes.models import MODELS
+from generator.targets.target import Target, find_target
+from generator.variants.names import symbol_of
+from generator.variants.rules import broken_rule
+from generator.variants.variant import Variant
+
+SCENE = "any"
+STEPS = 1000  # pooltool's default; the kernel takes any other number too
+BUDGETS = (1e-3, 1e-6, 1e-9)  # loosest, so fastest, first
+TARGETS = ("x86-64-v4", "x86-64-v3", "x86-64-v2")  # best first
+# Ways of making 1/sqrt by the tightest budget that they are used for: what timing has chosen where
+# it has (README, "Exact kernels"). The module's tests verify each on all reference cases.
+_ROOTS = ((1e-3, "est0"), (1e-6, "est1"), (1e-9, "cubic"))
+COMMAND = "python -m generator.clients FOLDER"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One kernel of the set as the table shows it."""
+
+    prefix: str  # of its C symbols
+    target: str
+    variant: Variant
+
+    @property
+    def model(self) -> str:
+        return self.variant.model
+
+    @property
+    def steps(self) -> int:
+        """N of a fixed-step kernel, 0 for others."""
+        return self.variant.stepper.steps or 0
+
+    @property
+    def budget(self) -> str:
+        """The budget of an exact kernel as C++ text, 0.0 for others."""
+        return repr(self.variant.stepper.budget or 0.0)
+
+
+def _variant(target: Target, model: str, goal: Goal) -> Variant:
+    first = default_kernel(target, SCENE, model, goal)
+    if goal.budget is None:
+        return first
+    for least, root in _ROOTS:
+        wanted = first.with_options(root=root)
+        if goal.budget >= least and broken_rule(wanted, target) is None:
+            return wanted
+    return first
+
+
+def rows() -> tuple[Row, ...]:
+    """The whole set: by model, then goal, then target, best first."""
+    goals = (Goal(steps=STEPS), *(Goal(budget=budget) for budget in BUDGETS))
+    return tuple(_rows(goals))
+
+
+def _rows(goals: tuple[Goal, ...]) -> Iterator[Row]:
+    for model in MODELS:
+        for goal in goals:
+            for name in TARGETS:
+                variant = _variant(find_target(name), model.name, goal)
+                short = symbol_of(f"carom_{model.name}_{variant.stepper.goal}_{name}")
+                yield Row(short, name, variant)
+
+
+def _emit(row: Row) -> KernelSource:
+    return emit(row.variant, Naming(row.prefix), COMMAND)
+
+
+def kernel_set() -> dict[str, str]:
+    """All files of the set by name, the table among them."""
+    table = rows()
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        sources = list(pool.map(_emit, table))
+    files = {}
+    for row, source in zip(table, sources, strict=True):
+        files[f"{row.prefix}.h"] = source.header
+        files[f"{row.prefix}.cpp"] = source.source
+    files["kernel_table.cpp"] = client_file("kernel_table.cpp.j2", COMMAND, rows=table)
+    return files
+
+
+def write_kernel_set(folder: Path) -> int:
+    """Make a folder hold the set and no other source; how many files changed."""
+    files = kernel_set()
+    changed = 0
+    for name, text in files.items():
+        path = folder / name
+        if not path.is_file() or path.read_text("utf-8") != text:
+            write_atomically(path, text)
+            changed += 1
+    for stray in [p for p in folder.glob("*.cpp") if p.name not in files]:
+        stray.unlink()
+        changed += 1
+    return changed

@@ -1,0 +1,39 @@
+// The kernels that the module carries; the table itself is generated (generator/clients).
+#ifndef CAROM_PYTHON_KERNEL_TABLE_H_
+#define CAROM_PYTHON_KERNEL_TABLE_H_
+
+#include <cstddef>
+
+namespace carom {
+
+/// As carom_params of the scene `any`: m, kg, and four coefficients from 0 to 1.
+struct Parameters {
+  double R, M, u_s1, u_s2, u_b, e_b;
+};
+
+/// The C ABI of a kernel (carom.h), with the parameters of every prefix as one type.
+struct Functions {
+  int (*collide)(const Parameters& p, const double* ball1, const double* ball2, double* out1,
+                 double* out2);
+  std::size_t (*batch)(const Parameters& p, const double* u_b, std::size_t n,
+                       const double* const* in, double* const* out, unsigned char* status);
+  const char* (*name)();
+};
+
+/// One kernel: for a model and either fixed steps or an error budget, on one level of x86-64.
+struct Row {
+  const char* model;
+  const char* target;
+  int steps;      // N of a fixed-step kernel, else 0
+  double budget;  // of an exact kernel, else 0
+  Functions functions;
+  int (*collide_steps)(const Parameters& p, const double* ball1, const double* ball2, double* out1,
+                       double* out2, int steps);  // fixed-step kernels alone
+};
+
+extern const Row kRows[];
+extern const std::size_t kRowCount;
+
+}  // namespace carom
+
+#endif  // CAROM_PYTHON_KERNEL_TABLE_H_

@@ -1,0 +1,103 @@
+"""carom's class in the place of pooltool's: the same fields and the same outcomes."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from pooltool.physics.resolve.ball_ball.frictional_mathavan import FrictionalMathavan as Theirs
+from shots import random_shots, shot, touching
+
+from carom.pooltool import FrictionalMathavan as Ours
+
+TOLERANCE = 1e-6  # m and m/s; spins as the speed R w of a ball's surface
+
+
+def difference(cue, ball, **fields) -> float:
+    """The largest difference between what both classes make of a collision."""
+    theirs = Theirs(**fields).resolve(cue, ball)
+    ours = Ours(**fields).resolve(cue, ball)
+    assert [a.state.s for a in theirs] == [a.state.s for a in ours]
+    units = np.array([[1.0], [1.0], [cue.params.R]])
+    pairs = zip(theirs, ours, strict=True)
+    return max(float(np.abs((a.state.rvw - b.state.rvw) * units).max()) for a, b in pairs)
+
+
+def test_the_same_fields_with_the_same_defaults() -> None:
+    for field in attrs.fields(Theirs):
+        own = getattr(attrs.fields(Ours), field.name)
+        assert own.init == field.init
+        assert getattr(Ours(), field.name) == getattr(Theirs(), field.name), field.name
+
+
+def test_a_thousand_random_shots_agree() -> None:
+    found = [difference(cue, ball) for cue, ball in random_shots(2014, 1000)]
+    print(f"{len(found)} shots, largest difference {max(found):.2g}")
+    assert len(found) == 1000 and max(found) <= TOLERANCE
+
+
+# The situations of pooltool's own tests (tests/physics/resolve/ball_ball).
+HEAD_ON = [{"num_iterations": n, "e_b": e} for n in (1000, 100_000) for e in (0.5, 0.8, 1.0)]
+
+
+@pytest.mark.parametrize("case", HEAD_ON)
+@pytest.mark.parametrize("drift", [0.0, 1.0])
+@pytest.mark.parametrize("side", [0.0, 0.1, 1.0, 10.0, 100.0])
+def test_head_on_agrees(case, drift, side) -> None:
+    cue, ball = shot(0.0, 0.0, 1.0, (0.0, 0.0, side))
+    for each in (cue, ball):
+        each.params = attrs.evolve(each.params, e_b=case["e_b"])
+        each.state.rvw[1, 1] += drift
+    assert difference(cue, ball, num_iterations=case["num_iterations"]) <= TOLERANCE
+
+
+@pytest.mark.parametrize("speed", np.logspace(-1, 1, 4))
+@pytest.mark.parametrize("angle", np.linspace(0, 2 * np.pi, 6, endpoint=False))
+def test_gearing_agrees(speed, angle) -> None:
+    """No contact slip at first: sidespin takes up the cut."""
+    for cut in np.linspace(0, np.pi / 2, 6, endpoint=False):
+        for slip in (0.0, 0.02, 0.05):  # m/s that are left
+            side = (slip - speed * np.sin(cut)) / touching(0)[0].params.R
+            cue, ball = shot(angle, cut, speed, (0.0, 0.0, side))
+            assert difference(cue, ball, num_iterations=10_000) <= TOLERANCE
+
+
+# ---- what is ours alone ----------------------------------------------------------------------
+
+
+def test_the_exact_solution_is_what_many_steps_approach() -> None:
+    cue, ball = shot(0.3, 0.6, 2.0, (-20.0, 30.0, 5.0))
+    exact = Ours(max_error=1e-9).resolve(cue, ball)
+    apart = []
+    for steps in (1000, 1_000_000):
+        fixed = Theirs(num_iterations=steps).resolve(cue, ball)
+        pairs = zip(exact, fixed, strict=True)
+        apart.append(max(float(np.abs(a.state.rvw[1] - b.state.rvw[1]).max()) for a, b in pairs))
+    print(f"from exact: {apart[0]:.2g} m/s with 1000 steps, {apart[1]:.2g} with a million")
+    assert apart[1] < 1e-5 and apart[1] < apart[0] < 1e-2
+
+
+def test_other_models_are_named_and_keep_balls_on_the_table() -> None:
+    cue, ball = shot(0.0, 0.5, 2.0, (0.0, -70.0, 0.0))
+    outcomes = {}
+    for name in ("pooltool", "bottom_slip", "mathavan2014"):
+        after = Ours(contact_model=name, max_error=1e-6).resolve(cue, ball)
+        assert all(each.state.rvw[1, 2] == 0.0 for each in after)
+        outcomes[name] = after[0].state.rvw
+    for name in ("pooltool", "mathavan2014"):
+        apart = float(np.abs(outcomes[name][1] - outcomes["bottom_slip"][1]).max())
+        print(f"{name} and bottom_slip: {apart:.2g} m/s apart")
+        assert apart > 1e-5
+
+
+def test_refusals_name_the_cure() -> None:
+    cue, ball = shot(0.0, 0.0, 1.0, (0.0, 0.0, 0.0))
+    with pytest.raises(ValueError, match="there are mathavan2014, bottom_slip, pooltool"):
+        Ours(contact_model="billiards").solve(cue, ball)
+    tilted = ball.copy()
+    tilted.state.rvw[0, 2] += 0.01
+    with pytest.raises(ValueError, match="contact_model='pooltool' accepts that"):
+        Ours(contact_model="mathavan2014").solve(cue.copy(), tilted)
+    cue.state.rvw[1, 0] = np.nan
+    with pytest.raises(ValueError, match="not finite"):
+        Ours().solve(cue, ball)

@@ -1,0 +1,207 @@
+"""`pip install .`: the module carom, and the command gen away from any clone."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from installed import carom, run, site
+
+from generator.clients.kernel_set import BUDGETS, STEPS, TARGETS
+from generator.scenes.models import MODELS
+from generator.targets.host import read_host
+from generator.targets.target import find_target
+from generator.verification.errors import OUTCOME_COLUMNS, errors_of
+from generator.verification.euler import euler_verdict
+from generator.verification.reference import load_reference
+
+RUNNABLE = [name for name in TARGETS if read_host().runs(find_target(name))]
+NAMES = [model.name for model in MODELS]
+
+
+def outcomes(kernel, cases: np.ndarray) -> np.ndarray:
+    """Rows of 13 as the bench gives them; single calls, since parameters differ by case."""
+    rows = []
+    for case in cases:
+        parameters = carom().Parameters(*case[:6])
+        ball1, ball2 = case[6:15].reshape(3, 3), case[15:24].reshape(3, 3)
+        out1, out2, status = kernel.collide(parameters, ball1, ball2)
+        rows.append([*out1[1:].ravel(), *out2[1:].ravel(), status])
+    return np.array(rows)
+
+
+def million_like(count: int) -> tuple[object, np.ndarray]:
+    """Parameters and columns of balls: the reference's, over and over."""
+    rows = load_reference().cases[:, 6:]
+    return carom().Parameters(), np.resize(rows, (count, 18)).T.copy()
+
+
+# ---- kernels ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("target", RUNNABLE)
+@pytest.mark.parametrize("budget", BUDGETS)
+@pytest.mark.parametrize("model", NAMES)
+def test_every_exact_kernel_keeps_its_budget(model, budget, target) -> None:
+    reference = load_reference()
+    kernel = carom().Kernel(model, max_error=budget, target=target)
+    got = outcomes(kernel, reference.cases)
+    error = errors_of(reference.cases, got, reference.exact[model]).relative
+    print(f"{kernel.name}: largest error {error.max():.2g} of {budget:g}")
+    assert np.array_equal(got[:, 12], reference.exact[model][:, 12])
+    assert error.max() <= budget
+
+
+@pytest.mark.parametrize("target", RUNNABLE)
+def test_fixed_steps_are_those_of_pooltool(target) -> None:
+    reference = load_reference()
+    kernel = carom().Kernel("pooltool", steps=STEPS, target=target)
+    got = outcomes(kernel, reference.cases)
+    exact = reference.exact["pooltool"]
+    theirs = np.hstack([reference.euler_pooltool[:, :OUTCOME_COLUMNS], exact[:, 13:]])
+    verdict = euler_verdict(reference.cases, got, theirs, exact, STEPS)
+    print(f"{kernel.name}: {verdict.reason}; largest difference {verdict.max_abs_error:.2g} m/s")
+    assert verdict.passed, verdict.reason
+
+
+def test_the_loosest_kernel_that_keeps_a_budget_is_taken() -> None:
+    kernel = carom().Kernel
+    assert kernel().max_error == 1e-6 and kernel().steps is None
+    assert kernel(max_error=0.5).max_error == 1e-3
+    assert kernel(max_error=9.9e-4).max_error == 1e-6
+    assert kernel(steps=1000).steps == 1000 and kernel(steps=1000).max_error is None
+    assert kernel().target == RUNNABLE[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        ({"model": "billiards"}, ("'billiards'", "mathavan2014, bottom_slip, pooltool")),
+        ({"max_error": 1e-12}, ("1e-12", "0.001, 1e-06, 1e-09")),
+        ({"max_error": float("nan")}, ("nan", "1e-09")),
+        ({"target": "zen3"}, ("'zen3'", "x86-64-v4, x86-64-v3, x86-64-v2")),
+        ({"steps": 0}, ("steps", "1 to 100000000")),
+        ({"steps": 10, "max_error": 1e-3}, ("exclude each other",)),
+    ],
+)
+def test_wrong_requests_name_what_there_is(arguments, parts) -> None:
+    with pytest.raises(ValueError) as caught:
+        carom().Kernel(**arguments)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+# ---- arrays ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("goal", [{"max_error": 1e-6}, {"steps": 1000}, {"steps": 300}])
+def test_batches_of_any_layout_are_single_calls(goal) -> None:
+    kernel = carom().Kernel("mathavan2014", **goal)
+    parameters, balls = million_like(1000)
+    out, status = kernel.collide_batch(parameters, balls)
+    assert out.shape == (12, 1000) and status.shape == (1000,) and status.dtype == np.uint8
+    for i in range(0, 1000, 37):
+        ball1, ball2 = balls[:9, i].reshape(3, 3), balls[9:, i].reshape(3, 3)
+        one, two, state = kernel.collide(parameters, ball1, ball2)
+        single = np.concatenate([one[1:].ravel(), two[1:].ravel()])
+        assert state == status[i] and np.array_equal(single, out[:, i], equal_nan=True)
+    rows = balls.T.copy()
+    strided, _ = kernel.collide_batch(parameters, rows.T)
+    assert np.array_equal(strided, out, equal_nan=True)
+    places = np.full((1000, 12), np.nan), np.full(1000, 99, np.uint8)
+    same, marks = kernel.collide_batch(parameters, rows.T, out=places[0].T, status=places[1])
+    assert np.array_equal(places[0].T, out, equal_nan=True) and np.array_equal(places[1], status)
+    assert np.shares_memory(same, places[0]) and np.shares_memory(marks, places[1])
+    part, _ = kernel.collide_batch(parameters, balls[:, 100:400])
+    assert np.array_equal(part, out[:, 100:400], equal_nan=True)
+
+
+def test_friction_by_collision() -> None:
+    kernel, (parameters, balls) = carom().Kernel(), million_like(200)
+    u_b = np.linspace(0.0, 0.2, 200)
+    out, _ = kernel.collide_batch(parameters, balls, u_b=u_b)
+    for i in (0, 77, 199):
+        own = carom().Parameters(u_b=u_b[i])
+        one, two, _ = kernel.collide(own, *balls[:, i].reshape(2, 3, 3))
+        assert np.array_equal(np.concatenate([one[1:].ravel(), two[1:].ravel()]), out[:, i])
+
+
+def test_what_comes_in_is_left_alone_and_into_may_alias() -> None:
+    kernel, (parameters, balls) = carom().Kernel(), million_like(1)
+    ball1, ball2 = balls[:, 0].reshape(2, 3, 3)
+    before = balls.copy()
+    out1, out2, status = kernel.collide(parameters, ball1, ball2)
+    assert np.array_equal(balls, before) and status == carom().Status.OK
+    assert kernel.collide_into(parameters, ball1, ball2, ball1, ball2) == status
+    assert np.array_equal(ball1, out1) and np.array_equal(ball2, out2)
+
+
+def test_other_numbers_and_orders_are_converted_and_other_shapes_refused() -> None:
+    kernel, parameters = carom().Kernel(), carom().Parameters()
+    ball1 = np.array([[0, 0, 0], [0, 2, 0], [-30, 0, 0]])
+    ball2 = np.array([[0, 1, 0], [0, 0, 0], [0, 0, 0]])
+    whole = kernel.collide(parameters, ball1, ball2)
+    columns = kernel.collide(parameters, np.asfortranarray(ball1, float), ball2.astype(float))
+    assert np.array_equal(whole[0], columns[0]) and np.array_equal(whole[1], columns[1])
+    good, balls = ball1.astype(float), million_like(5)[1]
+    frozen = good.copy()
+    frozen.flags.writeable = False
+    refused = [
+        lambda: kernel.collide(parameters, good[:2], good),
+        lambda: kernel.collide(parameters, good.ravel(), good),
+        lambda: kernel.collide_into(parameters, good, good, good, frozen),
+        lambda: kernel.collide_into(parameters, good, good, good, good.astype(np.float32)),
+        lambda: kernel.collide_batch(parameters, balls.T),
+        lambda: kernel.collide_batch(parameters, balls, out=np.empty((12, 5), np.float32)),
+    ]
+    for call in refused:
+        with pytest.raises(TypeError):
+            call()
+    for call in (
+        lambda: kernel.collide_batch(parameters, balls, u_b=np.zeros(4)),
+        lambda: kernel.collide_batch(parameters, balls, out=np.empty((12, 4))),
+        lambda: kernel.collide_batch(parameters, balls, status=np.empty(6, np.uint8)),
+    ):
+        with pytest.raises(ValueError, match="expected"):
+            call()
+    out, status = kernel.collide_batch(parameters, balls[:, :0])
+    assert out.shape == (12, 0) and status.shape == (0,)
+
+
+def test_other_threads_run_during_a_batch() -> None:
+    kernel = carom().Kernel("pooltool", steps=1000)
+    parameters, balls = million_like(10_000)
+    batch = threading.Thread(target=kernel.collide_batch, args=(parameters, balls))
+    batch.start()
+    turns = 0
+    while batch.is_alive():
+        turns += 1
+    print(f"{turns} turns of the main thread during a batch")
+    assert turns > 1000
+
+
+# ---- gen, from anywhere ----------------------------------------------------------------------
+
+
+def gen(folder: Path, *arguments: object) -> str:
+    """What `gen` prints, called in a folder that has nothing to do with the clone."""
+    command = ["env", "-C", folder, site() / "bin" / "gen", *arguments]
+    places = {"XDG_CACHE_HOME": str(folder / "cache"), "CAROM_CACHE": ""}
+    return run(command, PYTHONPATH=str(site()), PYTHONSAFEPATH="1", **places)
+
+
+def test_gen_derives_and_lists_anywhere(tmp_path) -> None:
+    assert "zen3" in gen(tmp_path, "list", "targets")
+    assert "dc_x = 7*d_x" in gen(tmp_path, "explain", "paper-best")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_gen_collides_anywhere(tmp_path) -> None:
+    lines = (site() / "generator/sources/tests/data/reference/inputs.csv").read_text("utf-8")
+    (tmp_path / "in.csv").write_text("\n".join(lines.splitlines()[:20]) + "\n")
+    text = gen(tmp_path, "collide", "--cases", "in.csv", "--out", "out.csv")
+    assert "19 cases" in text
+    assert {p.name for p in tmp_path.iterdir()} == {"in.csv", "out.csv", "cache"}
+    assert [p.name for p in (tmp_path / "cache").iterdir()] == ["carom"]
