@@ -255,9 +255,8 @@ NB_MODULE(_carom, m) {
       .def("collide_into", &Kernel::collide_into, "parameters"_a, "ball1"_a, "ball2"_a,
            "out1"_a.noconvert(), "out2"_a.noconvert(),
            "As collide, into arrays of the caller's, which may be those that come in; the status.")
-      .def("collide_batch", &Kernel::collide_batch, "parameters"_a, "balls"_a,
-           "u_b"_a = nb::none(), "out"_a.noconvert() = nb::none(),
-           "status"_a.noconvert() = nb::none(),
+      .def("collide_batch", &Kernel::collide_batch, "parameters"_a, "balls"_a, "u_b"_a = nb::none(),
+           "out"_a.noconvert() = nb::none(), "status"_a.noconvert() = nb::none(),
            "n collisions: (out, status). balls: float64 of shape (18, n), rows r1x..w2z; out:\n"
            "(12, n), rows v1x..w2z; status: uint8 of n. Rows that are contiguous are not copied;\n"
            "other strides do, as x.T of an array (n, 18). u_b: one friction a collision. out and\n"
