@@ -1,4 +1,6 @@
 // The C ABI of every kernel: whatever comes in, the promises of carom.h hold.
+#include <initializer_list>
+
 #include "fuzz_input.h"
 
 namespace {

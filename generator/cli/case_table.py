@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,7 +30,7 @@ def _number(text: str | None, path: Path, line: int, name: str) -> float:
     try:
         value = float.fromhex(plain) if "0x" in plain.lower() else float(plain)
     except ValueError:
-        shown = f"'{text}'" if text else "nothing"
+        shown = f"'{textwrap.shorten(text, 40)}'" if text else "nothing"
         raise InputError(
             f"{path}: row {line}, column {name}: {shown} is no number; write one as 0.05"
         ) from None
