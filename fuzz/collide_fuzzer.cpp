@@ -90,7 +90,7 @@ void check_ways(const Row& row, const Case& c, const Result& r, int steps) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   carom_fuzz::Bytes bytes(data, size);
   const Row& row = carom::kRows[bytes.take<std::uint8_t>() % carom::kRowCount];
-  if (!carom_fuzz::runs_here(row)) return -1;
+  if (!row.runs()) return -1;
   const unsigned kind = bytes.take<std::uint8_t>();
   Case c = (kind & 1u) != 0 ? carom_fuzz::any_case(bytes) : carom_fuzz::real_case(bytes);
   if ((kind & 6u) == 6u) {  // a real one with one number that is not

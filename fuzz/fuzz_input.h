@@ -102,18 +102,6 @@ inline Case real_case(Bytes& bytes) {
   std::abort();
 }
 
-inline bool runs_here(const carom::Row& row) {
-  __builtin_cpu_init();
-  switch (row.target[8]) {  // x86-64-v?
-    case '4':
-      return __builtin_cpu_supports("x86-64-v4");
-    case '3':
-      return __builtin_cpu_supports("x86-64-v3");
-    default:
-      return __builtin_cpu_supports("x86-64-v2");
-  }
-}
-
 }  // namespace carom_fuzz
 
 #endif  // CAROM_FUZZ_FUZZ_INPUT_H_

@@ -15,6 +15,7 @@ from pathlib import Path
 from generator.choice.lookup import Goal, default_kernel
 from generator.emission.client_file import client_file
 from generator.emission.files import write_atomically
+from generator.emission.isa import compiled_features
 from generator.emission.kernel_source import KernelSource, Naming, emit
 from generator.scenes.models import MODELS
 from generator.targets.target import Target, find_target
@@ -39,6 +40,11 @@ class Row:
     prefix: str  # of its C symbols
     target: str
     variant: Variant
+
+    @property
+    def unit(self) -> str:
+        """The target as a part of C names."""
+        return symbol_of(self.target)
 
     @property
     def model(self) -> str:
@@ -94,7 +100,10 @@ def kernel_set() -> dict[str, str]:
     for row, source in zip(table, sources, strict=True):
         files[f"{row.prefix}.h"] = source.header
         files[f"{row.prefix}.cpp"] = source.source
-    files["kernel_table.cpp"] = client_file("kernel_table.cpp.j2", COMMAND, rows=table)
+    targets = [(symbol_of(name), compiled_features(find_target(name))) for name in TARGETS]
+    files["kernel_table.cpp"] = client_file(
+        "kernel_table.cpp.j2", COMMAND, rows=table, targets=targets
+    )
     return files
 
 

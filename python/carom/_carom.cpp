@@ -33,13 +33,6 @@ constexpr double kDefaultError = 1e-6;
 constexpr int kMostSteps = 100000000;
 constexpr std::size_t kBlock = 128;  // collisions that are gathered at once: 30 kB, near the core
 
-bool runs_here(const std::string& target) {
-  __builtin_cpu_init();
-  if (target == "x86-64-v4") return __builtin_cpu_supports("x86-64-v4");
-  if (target == "x86-64-v3") return __builtin_cpu_supports("x86-64-v3");
-  return __builtin_cpu_supports("x86-64-v2");
-}
-
 std::string text_of(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%g", value);
@@ -69,14 +62,15 @@ std::string budgets() {
 const Row& find_row(const std::string& model, std::optional<double> max_error, bool fixed,
                     const std::optional<std::string>& target) {
   const Row* best = nullptr;
-  bool model_known = false, target_known = !target;
+  bool model_known = false, target_known = !target, runs = false;
   for (std::size_t i = 0; i < carom::kRowCount; ++i) {
     const Row& row = carom::kRows[i];
     if (row.model != model) continue;
     model_known = true;
     if (target && *target != row.target) continue;
     target_known = true;
-    if (fixed != (row.steps > 0) || !runs_here(row.target)) continue;
+    if (fixed != (row.steps > 0) || !row.runs()) continue;
+    runs = true;
     if (!fixed && !(row.budget <= *max_error)) continue;
     if (best == nullptr || row.budget > best->budget) best = &row;
   }
@@ -89,8 +83,8 @@ const Row& find_row(const std::string& model, std::optional<double> max_error, b
     const std::string names = listed([](const Row& row) { return row.target; });
     throw nb::value_error(("target '" + *target + "': there is none; there are " + names).c_str());
   }
-  if (!runs_here(target ? *target : "x86-64-v2")) {
-    throw std::runtime_error("this CPU does not run " + (target ? *target : "x86-64-v2") + " code");
+  if (!runs) {
+    throw std::runtime_error("this CPU does not run " + target.value_or("x86-64-v2") + " code");
   }
   throw nb::value_error(
       ("max_error " + text_of(*max_error) + ": no kernel is as exact; there are " + budgets())
