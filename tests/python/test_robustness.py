@@ -190,6 +190,16 @@ def test_any_scale_ends_and_is_finite(kernel: Kernel, scale: float) -> None:
             assert np.array(got[3:]) / scale == pytest.approx(want[3:], rel=1e-6, abs=1e-6)
 
 
+@pytest.mark.parametrize("speed", [1e-90, 1e-104, 1e-120, 1e-145])
+def test_a_spinning_ball_that_hardly_approaches_gives_numbers(kernel: Kernel, speed: float) -> None:
+    """The table slip of the ball at rest then has an inverse that cannot be cubed (a fuzzer)."""
+    one, two = balls(v1=(0, speed, 0), w1=(1431.0, 0, 0))
+    for steps in (None, 300):
+        status, out1, out2 = kernel.collide(one, two, steps=steps)
+        assert status == OK
+        assert np.abs([*out1[3:6], *out2[3:6]]).max() < 20 * speed + 1e-14
+
+
 def test_outputs_may_be_inputs(kernel: Kernel) -> None:
     _, want1, want2 = kernel.collide(*balls())
     p = Params(R, M, 0.2, 0.2, 0.05, 0.95)

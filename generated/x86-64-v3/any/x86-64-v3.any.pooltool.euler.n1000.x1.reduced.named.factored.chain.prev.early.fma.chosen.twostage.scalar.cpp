@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.any.pooltool.euler.n1000.x1.reduced.named.factored.chain.prev.early.fma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene any --model pooltool
-// inputs:   sha256 549028a1038aa7e5
+// inputs:   sha256 5701e728f0af133f
 #include "carom.h"
 
 #include <cmath>
@@ -164,8 +164,9 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // A collision takes about 3/2 N steps at most; a loop that takes 8 N is stuck and ends.
 inline std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }
 
-// 1 / sqrt(n), and 0 where n = 0: zero slip gives zero friction.
-inline double exact_rsqrt(double n) { return n > 0.0 ? 1.0 / std::sqrt(n) : 0.0; }
+// 1 / sqrt(n); 0 where n = 0, for zero slip gives zero friction, and where a slip is below 1e-100 m/s,
+// whose inverse cannot be cubed.
+inline double exact_rsqrt(double n) { return n > 1e-200 ? 1.0 / std::sqrt(n) : 0.0; }
 
 // 1 / sqrt(n) by one Newton step from a guess whose n * guess^2 is off 1 by less than `bound`; then
 // the result is off by 3/8 bound^2. From the root itself where the guess is worse. Table friction

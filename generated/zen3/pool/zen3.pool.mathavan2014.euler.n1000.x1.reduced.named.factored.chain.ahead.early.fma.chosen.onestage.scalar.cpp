@@ -3,7 +3,7 @@
 // kernel:   zen3.pool.mathavan2014.euler.n1000.x1.reduced.named.factored.chain.ahead.early.fma.chosen.onestage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene pool --model mathavan2014
-// inputs:   sha256 54304c63731e279f
+// inputs:   sha256 4a373b2acd81bc1b
 #include "carom.h"
 
 #include <cmath>
@@ -166,8 +166,9 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // A collision takes about 3/2 N steps at most; a loop that takes 8 N is stuck and ends.
 inline std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }
 
-// 1 / sqrt(n), and 0 where n = 0: zero slip gives zero friction.
-inline double exact_rsqrt(double n) { return n > 0.0 ? 1.0 / std::sqrt(n) : 0.0; }
+// 1 / sqrt(n); 0 where n = 0, for zero slip gives zero friction, and where a slip is below 1e-100 m/s,
+// whose inverse cannot be cubed.
+inline double exact_rsqrt(double n) { return n > 1e-200 ? 1.0 / std::sqrt(n) : 0.0; }
 
 // 1 / sqrt(n) by one Newton step from a guess whose n * guess^2 is off 1 by less than `bound`; then
 // the result is off by 3/8 bound^2. From the root itself where the guess is worse. Table friction
