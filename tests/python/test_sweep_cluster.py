@@ -24,10 +24,10 @@ from distributed import Client, LocalCluster
 from kernels import ROOT
 from sweep_lab import ZEN3, plan, swept
 
-from generator.choice.store import cache_folder
 from generator.choice.workbench import Workbench
 from generator.cli.main import gen
 from generator.errors import InputError
+from generator.places import cache_folder
 from generator.sweep.cluster import BUILD_SHARE, ClusterLab
 from generator.sweep.space import Contest
 from generator.sweep.station import Station
