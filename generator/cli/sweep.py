@@ -27,6 +27,8 @@ DEFAULT_MINUTES = 19.0
 @click.option("--seed", default=1, show_default=True, help="of what is drawn at random")
 @click.option("--store", type=click.Path(path_type=Path), help="file that keeps the records")
 @click.option("--fresh", is_flag=True, help="make every trial anew; what is stored stays")
+@click.option("--write", is_flag=True, help="make generated/TARGET/SCENE/ of what was chosen")
+@click.option("--out", type=click.Path(path_type=Path), help="with --write: not generated/")
 @click.option("--verify-choice", is_flag=True, help="only time the choice against the next best")
 @click.option("--best", default=5, show_default=True, type=click.IntRange(2, 64), help="so many")
 @click.option("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the jobs")

@@ -5,16 +5,17 @@ from __future__ import annotations
 import shlex
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 
+from generator.choice.folder import checked_selection, require_writable
 from generator.choice.job import STEPS
 from generator.cli.cluster import connected
-from generator.cli.session import cache_folder, resolve_target, workbench
+from generator.cli.session import ROOT, cache_folder, resolve_target, workbench
 from generator.cli.sweep_display import SweepDisplay, displayed, say_outcomes, say_verified
 from generator.errors import InputError
 from generator.scenes.models import find_model
@@ -23,10 +24,11 @@ from generator.steppers.budgets import plan_for
 from generator.sweep.lab import Lab, LocalLab
 from generator.sweep.ledger import Ledger, new_run
 from generator.sweep.recheck import verify_choice
+from generator.sweep.selecting import write_choices
 from generator.sweep.space import Contest, parse_only
 from generator.sweep.station import Station
-from generator.sweep.store import ResultStore, default_store, opened
-from generator.sweep.sweep import Plan, explorations, run_sweep
+from generator.sweep.store import ResultStore, default_store, opened, read_only
+from generator.sweep.sweep import Plan, explorations, require_spaces, run_sweep
 from generator.targets.target import Target
 
 
@@ -47,6 +49,8 @@ class Asked:
     seed: int
     store: Path | None
     fresh: bool
+    write: bool
+    out: Path | None
     verify_choice: bool
     best: int
     scheduler: str | None
@@ -66,24 +70,37 @@ def run(asked: Asked) -> int:
     model = find_model(asked.model or scene.model).name
     contests = _contests(asked, target, model, scene.max_error)
     only = parse_only(asked.only)
-    with opened(asked.place) as store, _lab(asked, target, model) as lab:
-        widths: dict[str, tuple[int, ...]] = {"scalar": (1,), "batch": ()}  # no batch kernels yet
-        plan = Plan(
-            target,
-            tuple(c for c in contests if widths[c.call]),
-            widths,
-            only,
-            tuple(lab.compilers),
-            asked.seed,
-            asked.exhaustive,
-            asked.minutes,
-            asked.trials,
-        )
+    _require_places(asked)
+    with _lab(asked, target, model) as lab:
+        plan = _plan(asked, target, contests, only, lab)
+        require_spaces(plan)
         try:
-            return _work(asked, plan, lab, store, started)
+            with opened(asked.place) as store:
+                return _work(asked, plan, lab, store, started)
         except KeyboardInterrupt:
             _say_stopped(asked)
             raise
+
+
+def _plan(
+    asked: Asked,
+    target: Target,
+    contests: Sequence[Contest],
+    only: Mapping[str, tuple[str, ...]],
+    lab: Lab,
+) -> Plan:
+    widths: dict[str, tuple[int, ...]] = {"scalar": (1,), "batch": ()}  # no batch kernels yet
+    return Plan(
+        target=target,
+        contests=tuple(c for c in contests if widths[c.call]),
+        widths=widths,
+        only=only,
+        compilers=tuple(lab.compilers),
+        seed=asked.seed,
+        exhaustive=asked.exhaustive,
+        minutes=asked.minutes,
+        trials=asked.trials,
+    )
 
 
 def _work(asked: Asked, plan: Plan, lab: Lab, store: ResultStore, started: float) -> int:
@@ -102,8 +119,28 @@ def _work(asked: Asked, plan: Plan, lab: Lab, store: ResultStore, started: float
         held = [say_verified(console, final) for final in finals]
         return 0 if all(held) else 1
     say_outcomes(console, outcomes, ledger)
+    if asked.write:
+        finals = [outcome.final for outcome in outcomes if outcome.final is not None]
+        write_choices(_folder(asked), asked.target, plan.target.name, asked.scene, finals)
+        console.print(f"written: {_folder(asked)}", highlight=False, soft_wrap=True)
     console.print(f"store: {asked.place}", highlight=False, soft_wrap=True)
     return 0 if all(outcome.final is not None for outcome in outcomes) else 1
+
+
+def _folder(asked: Asked) -> Path:
+    return (asked.out or ROOT / "generated") / asked.target / asked.scene
+
+
+def _require_places(asked: Asked) -> None:
+    """What is wrong with a place shall be said before the work, not after."""
+    if asked.verify_choice:
+        with read_only(asked.place):
+            pass
+    if asked.out is not None and not asked.write:
+        raise InputError(f"--out {asked.out}: is for --write, which was not given")
+    if asked.write:
+        checked_selection(_folder(asked))
+        require_writable(_folder(asked))
 
 
 def _say_stopped(asked: Asked) -> None:

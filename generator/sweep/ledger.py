@@ -31,10 +31,11 @@ def source_hash(source: KernelSource) -> str:
     """Hash of a kernel's code: not of comments, of layout or of its own name."""
     texts = []
     for text in (source.header, source.source, source.probe):
-        plain = _COMMENT.sub(" ", text)
+        plain = " ".join(_COMMENT.sub(" ", text).split())
+        plain = plain.replace('" "', "")  # a long name is written as two literals
         for name in (source.source_name, symbol_of(source.source_name)):
             plain = plain.replace(name, "KERNEL")
-        texts.append(" ".join(plain.split()))
+        texts.append(plain)
     return digest(texts)
 
 

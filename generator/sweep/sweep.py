@@ -38,6 +38,11 @@ class Plan:
     minutes: float | None
     trials: int | None
 
+    def space(self, contest: Contest) -> Space:
+        """What may be tried in a contest."""
+        widths = self.widths[contest.call]
+        return Space(contest, self.target, self.compilers, widths, self.only)
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -47,18 +52,21 @@ class Outcome:
     final: Final | None
 
 
-def explorations(plan: Plan, lab: Lab, ledger: Ledger, observe: Observer) -> list[Exploration]:
-    """One for each contest, not begun, its baseline built. InputError where `only` leaves none."""
-    found = []
+def require_spaces(plan: Plan) -> None:
+    """Raise InputError where `only` leaves a contest without a legal variant."""
     for contest in plan.contests:
-        widths = plan.widths[contest.call]
-        space = Space(contest, plan.target, plan.compilers, widths, plan.only)
-        random = Random(f"{plan.seed} {contest}")
-        if space.drawn(random) is None:
+        if plan.space(contest).drawn(Random(plan.seed)) is None:
             raise InputError(
                 f"--only: no legal variant of {contest.family} kernels is left for {contest.call} "
                 "calls; allow more codes (see ./gen list variants)"
             )
+
+
+def explorations(plan: Plan, lab: Lab, ledger: Ledger, observe: Observer) -> list[Exploration]:
+    """One for each contest, not begun, its baseline built."""
+    found = []
+    for contest in plan.contests:
+        space, random = plan.space(contest), Random(f"{plan.seed} {contest}")
         search = Search(space, _seeds(plan, contest), random, plan.exhaustive)
         first = _baseline(plan, contest, lab)
         found.append(Exploration(contest, search, first, lab, ledger, Budget(None, None), observe))
@@ -90,6 +98,7 @@ def run_sweep(
     plan: Plan, lab: Lab, ledger: Ledger, observe: Observer, started: float
 ) -> list[Outcome]:
     """Explore and choose. `started`: when the budget's minutes began, on the monotonic clock."""
+    require_spaces(plan)
     todo = explorations(plan, lab, ledger, observe)
     end = None if plan.minutes is None else started + 60 * plan.minutes
     trials, outcomes = plan.trials, []
