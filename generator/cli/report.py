@@ -2,11 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from generator.errors import InputError
+
+if TYPE_CHECKING:
+    from generator.report.gather import Stored
+    from generator.targets.host import Host
+    from generator.targets.target import Target
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a report is about. `options`: as the user gave them, to repeat it."""
+
+    resolved: Target
+    scene: str
+    model: str
+    options: str
 
 
 @click.command()
@@ -54,7 +71,7 @@ def report(
     stored = _stored(place, store is not None, resolved.name, scene, known)
     options = _options(target, scene, model)
     if measure:
-        _measure(stored, kept, resolved, host, scene, known, seconds, options)
+        _measure(Request(resolved, scene, known, options), host, stored, kept, seconds)
     measured = read_measured(kept)
     if not stored.trials and measured is None:
         raise InputError(
@@ -82,7 +99,7 @@ def _options(target: str, scene: str, model: str | None) -> str:
     return "".join(given)
 
 
-def _stored(place: Path, named: bool, target: str, scene: str, model: str):  # type: ignore[no-untyped-def]
+def _stored(place: Path, named: bool, target: str, scene: str, model: str) -> Stored:
     """What a store holds of a target, scene and model; nothing where there is no default store."""
     from generator.report.gather import Stored
     from generator.report.subjects import last_finals
@@ -101,17 +118,30 @@ def _stored(place: Path, named: bool, target: str, scene: str, model: str):  # t
         return Stored(runs, trials, last_finals(records.finals(), target, scene, model))
 
 
-def _measure(stored, kept, target, host, scene, model, seconds, options) -> None:  # type: ignore[no-untyped-def]
-    from generator.choice.lookup import require_runs
+def _measure(request: Request, host: Host, stored: Stored, kept: Path, seconds: float) -> None:
     from generator.cli.session import ROOT, workbench
     from generator.report.measure import measure
     from generator.report.measured import write_measured
     from generator.report.subjects import calls, subjects
 
-    require_runs(host, target)
-    command = f"./gen report{options} --measure --seconds {seconds:g}"
+    target = request.resolved
+    if host.target.name != target.name:
+        raise InputError(
+            f"--measure --target {target.name}: this machine is {host.target.name}, and a time "
+            "taken on another CPU is never the target's; expected --target native"
+        )
+    command = f"./gen report{request.options} --measure --seconds {seconds:g}"
     with workbench() as bench:
-        found = subjects(ROOT / "generated", target, scene, model, bench.compilers, stored.finals)
+        found = subjects(
+            ROOT / "generated",
+            target,
+            request.scene,
+            request.model,
+            bench.compilers,
+            stored.finals,
+        )
         called = calls(found, stored.finals)
-        made = measure(bench, found, called, target, host, scene, model, seconds, command)
+        made = measure(
+            bench, found, called, target, host, request.scene, request.model, seconds, command
+        )
     write_measured(kept, made)

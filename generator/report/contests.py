@@ -17,17 +17,29 @@ EXACT, SCHEME = "the exact result", "the same scheme in long double"
 
 
 def latest(trials: Iterable[Trial]) -> dict[tuple[str, str], Trial]:
-    """The last trial of each variant of a contest, from the highest rung that it reached."""
+    """The trial of each variant of a contest that counts.
+
+    The newest; of the same sources, compiler, cases and rules, the one that was timed the longest.
+    """
     found: dict[tuple[str, str], Trial] = {}
     for trial in trials:  # oldest first
         key = trial.subject.contest, trial.subject.name
-        if key not in found or trial.rung >= found[key].rung:
+        if key not in found or not _asks_the_same(trial, found[key]):
+            found[key] = trial
+        elif trial.rung >= found[key].rung:
             found[key] = trial
     return found
 
 
+def _asks_the_same(one: Trial, other: Trial) -> bool:
+    if one.depends is None or other.depends is None:
+        return one.depends is other.depends
+    return set(one.depends.differences(other.depends)) <= {"timing"}
+
+
 def summary_of(runs: Sequence[Run], trials: Sequence[Trial]) -> SweepSummary:
-    known = latest(trials).values()
+    kept = latest(trials)
+    known = kept.values()
     rejected: dict[str, int] = defaultdict(int)
     examples: dict[str, str] = {}
     for trial in known:
@@ -42,9 +54,22 @@ def summary_of(runs: Sequence[Run], trials: Sequence[Trial]) -> SweepSummary:
         trials=len(trials),
         variants=len(known),
         timed=sum(trial.times is not None for trial in known),
+        longer=sum(_has_successor(trial, kept) for trial in trials),
+        outdated=sum(_is_outdated(trial, kept) for trial in trials),
         rejected=dict(sorted(rejected.items())),
         examples=examples,
     )
+
+
+def _has_successor(trial: Trial, kept: dict[tuple[str, str], Trial]) -> bool:
+    """Was the same question answered again, for longer?"""
+    last = kept[trial.subject.contest, trial.subject.name]
+    return trial.id != last.id and _asks_the_same(trial, last)
+
+
+def _is_outdated(trial: Trial, kept: dict[tuple[str, str], Trial]) -> bool:
+    """Was the variant tried again with other sources, compiler, cases or rules?"""
+    return not _asks_the_same(trial, kept[trial.subject.contest, trial.subject.name])
 
 
 def contests_of(trials: Iterable[Trial], finals: dict[str, Final]) -> list[Contest]:

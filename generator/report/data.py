@@ -37,6 +37,8 @@ class SweepSummary:
     trials: int
     variants: int
     timed: int
+    longer: int  # trials that are not shown since the same one was timed again for longer
+    outdated: int  # that are not shown since sources, compiler, cases or rules have changed
     rejected: dict[str, int]  # by reason
     examples: dict[str, str]  # one rejection of each reason, in full
 

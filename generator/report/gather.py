@@ -10,9 +10,9 @@ import numpy as np
 
 from generator import __version__
 from generator.report import contests as from_trials
+from generator.report.chosen import chosen_of, points_of
 from generator.report.data import (
     CallRow,
-    Chosen,
     Contest,
     GrowthFit,
     GrowthRow,
@@ -23,14 +23,12 @@ from generator.report.data import (
     ModelRow,
     Operations,
     OutputErrors,
-    PlainPoint,
     Report,
     Sections,
     Worst,
 )
-from generator.report.measured import KernelFigures, Measured
+from generator.report.measured import KernelFigures, Measured, sources_hash
 from generator.report.published import NOT_KNOWN, published_rows
-from generator.report.subjects import BASELINE, BEST, EULER, role_of_budget
 from generator.sweep.record import Final, Run, Trial
 from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
 
@@ -60,7 +58,7 @@ def gather(
     contests = from_trials.contests_of(stored.trials, stored.finals)
     calls = _calls(measured)
     missing = _missing(stored, measured, contests, calls)
-    chosen = _chosen(stored, measured)
+    chosen = chosen_of(stored.finals, measured)
     return Report(
         title=f"Collision kernels for {target}",
         scene=scene,
@@ -69,7 +67,7 @@ def gather(
         sweep=from_trials.summary_of(stored.runs, stored.trials) if stored.trials else None,
         chosen=tuple(chosen),
         contests=tuple(contests),
-        points=tuple(_points(measured)),
+        points=tuple(points_of(measured)),
         outputs=tuple(OutputErrors(k.role, k.outputs) for k in _kernels(measured) if k.outputs),
         worst=tuple(_worst(k, model) for k in _kernels(measured) if k.worst),
         kinds=tuple(_kinds(measured)),
@@ -142,6 +140,11 @@ def _missing(
             f"{len(stale)} of the kernels that the sweep chose were not measured, as {stale[0]}: "
             "./gen report --measure"
         )
+    if measured.sources != sources_hash():
+        found["age"] = (
+            f"what was measured ({measured.made_at}) is of kernels as other sources of carom gave "
+            "them: ./gen report --measure makes it anew"
+        )
     return found
 
 
@@ -157,106 +160,6 @@ def _unmeasured(measured: Measured) -> dict[str, str]:
         of = "all kernels" if len(own) == everyone else "; ".join(own)
         found[f"{what} of {of}"] = reason
     return found
-
-
-# -- what was chosen --
-
-
-def _chosen(stored: Stored, measured: Measured | None) -> list[Chosen]:
-    """The measured roles first, then what a sweep chose that was not measured."""
-    found = []
-    by_name = {f.chosen: f for f in stored.finals.values()}
-    for kernel in _kernels(measured):
-        assert measured is not None
-        featured = kernel.role in (BASELINE, BEST) or kernel.role.endswith("chosen")
-        if featured:
-            final = by_name.get(kernel.name)
-            found.append(_measured_choice(kernel, measured, final))
-    known = {choice.kernel for choice in found}
-    for final in stored.finals.values():
-        if final.chosen not in known:
-            found.append(_swept_choice(final))
-    return found
-
-
-def _measured_choice(kernel: KernelFigures, measured: Measured, final: Final | None) -> Chosen:
-    timed = kernel.timed
-    others = {role: measured.find(role) for role in (BEST, EULER)}
-    own = timed.ratio if timed else None
-
-    def than(role: str) -> float | None:
-        other = others[role]
-        return other.timed.ratio / own if own and other and other.timed else None
-
-    by = "the report" if kernel.role in (BASELINE, BEST) else "generated/, or the default"
-    if final is not None:
-        by = f"a sweep's final ({final.purpose})"
-    ties = final.ties if final else ()
-    return Chosen(
-        role=kernel.role,
-        kernel=kernel.name,
-        call="scalar",
-        width=1,
-        by=by,
-        ns=timed.ns if timed else None,
-        cycles=timed.cycles if timed else None,
-        ratio=own,
-        ratio_ci=timed.ratio_ci if timed else None,
-        times_faster=1 / own if own else None,
-        than_best=than(BEST),
-        than_euler=than(EULER),
-        error=kernel.error,
-        verified_error=kernel.verified_error,
-        ties=tuple(name for name in ties if name != kernel.name),
-    )
-
-
-def _swept_choice(final: Final) -> Chosen:
-    entry = next(f for f in final.finalists if f.subject.name == final.chosen)
-    subject, times = entry.subject, entry.times
-    role = EULER if subject.budget is None else role_of_budget(subject.budget)
-    return Chosen(
-        role=f"{role} by the sweep" if subject.call == "scalar" else f"{role}, batch",
-        kernel=final.chosen,
-        call=subject.call,
-        width=subject.width,
-        by=f"a sweep's final ({final.purpose})",
-        ns=times.ns,
-        cycles=times.cycles,
-        ratio=times.ratio,
-        ratio_ci=times.ratio_ci,
-        times_faster=1 / times.ratio,
-        than_best=None,
-        than_euler=None,
-        error=None if subject.budget is None else entry.max_rel_error,
-        verified_error=entry.max_rel_error,
-        ties=tuple(name for name in final.ties if name != final.chosen),
-    )
-
-
-def _points(measured: Measured | None) -> list[PlainPoint]:
-    """The chosen kernels, the report's, and fixed steps with other N, by their exact errors."""
-    if measured is None:
-        return []
-    first = measured.find(BASELINE)
-    if first is None or first.timed is None:
-        return []
-    base = first.timed.ns / first.timed.ratio
-    found = []
-    for kernel in measured.kernels:
-        if kernel.timed and kernel.error is not None:
-            group = "report" if kernel.role in (BASELINE, BEST) else "chosen"
-            found.append(
-                PlainPoint(kernel.role, group, kernel.timed.ns, kernel.timed.ratio, kernel.error)
-            )
-    for point in measured.growth:
-        if point.role == EULER:
-            label = f"Euler, N = {point.steps}"
-            found.append(PlainPoint(label, "euler", point.ns, point.ns / base, point.error))
-    return found
-
-
-# -- what was measured --
 
 
 def _worst(kernel: KernelFigures, model: str) -> Worst:

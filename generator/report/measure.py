@@ -17,7 +17,7 @@ from generator.choice.workbench import (
 )
 from generator.errors import KernelError
 from generator.report.accuracy import accuracy_of, kinds_of
-from generator.report.measured import KernelFigures, KindFigures, Measured
+from generator.report.measured import KernelFigures, KindFigures, Measured, sources_hash
 from generator.report.profile import modelled, profile
 from generator.report.subjects import BASELINE, STEPS, Called, Subject
 from generator.report.times import Study, growth_of, time_all, time_calls, time_kinds
@@ -61,6 +61,7 @@ def measure(
     kinds = time_kinds(bench, featured, expected, seconds)
     return Measured(
         made_at=datetime.now(UTC).isoformat(timespec="seconds"),
+        sources=sources_hash(),
         command=command,
         cpu=host.cpu,
         target=target.name,

@@ -21,6 +21,7 @@ from generator.report.measured import (
     SectionShares,
     Timed,
     WorstInput,
+    sources_hash,
 )
 from generator.report.subjects import BASELINE, BEST, EULER, role_of_budget
 from generator.sweep.record import (
@@ -294,6 +295,7 @@ def make_measured(target: str, seed: int = 1) -> Measured:
     }
     return Measured(
         made_at=AT,
+        sources=sources_hash(),
         command="./gen report --measure",
         cpu="made up",
         target=target,
