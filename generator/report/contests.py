@@ -24,9 +24,8 @@ def latest(trials: Iterable[Trial]) -> dict[tuple[str, str], Trial]:
     found: dict[tuple[str, str], Trial] = {}
     for trial in trials:  # oldest first
         key = trial.subject.contest, trial.subject.name
-        if key not in found or not _asks_the_same(trial, found[key]):
-            found[key] = trial
-        elif trial.rung >= found[key].rung:
+        last = found.get(key)
+        if last is None or trial.rung >= last.rung or not _asks_the_same(trial, last):
             found[key] = trial
     return found
 

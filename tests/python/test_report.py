@@ -21,12 +21,15 @@ import generator.cli.session as session
 from generator.cli.case_table import read_case_table
 from generator.cli.main import gen
 from generator.report.accuracy import kinds_of
-from generator.report.contests import contests_of, effects_of
+from generator.report.contests import contests_of, effects_of, latest, summary_of
 from generator.report.gather import gather
 from generator.report.measured import Measured, measured_path, read_measured, write_measured
 from generator.report.page import render
 from generator.report.published import NUMBA_CYCLES
+from generator.report.subjects import BASELINE, BEST, EULER
+from generator.sweep.record import Trial
 from generator.sweep.store import read_only
+from generator.targets.host import read_host
 from generator.variants.presets import PAPER_PRESETS
 from generator.verification.reference import CASE_NAMES, load_reference
 
@@ -196,6 +199,64 @@ def test_the_front_holds_no_variant_that_another_beats(made: Made) -> None:
             assert not (point["front"] and beaten), point["name"]
         assert any(p["front"] for p in points)
         assert sum(p["tie"] for p in points) == 2
+
+
+def test_the_trial_that_counts_is_the_newest_and_of_the_same_the_longest(made: Made) -> None:
+    with read_only(made.store.path) as store:
+        first = next(t for t in store.trials() if t.times and t.depends)
+
+    def again(rung: int, **changes: str) -> Trial:
+        depends = first.depends.model_copy(update={"timing": f"rung {rung}", **changes})
+        return first.model_copy(update={"depends": depends, "rung": rung, "id": ""}).sealed()
+
+    longer, shorter, other = again(2), again(1), again(0, source="changed")
+    assert list(latest([first, longer, shorter]).values()) == [longer]
+    assert list(latest([first, longer, other]).values()) == [other]
+    found = summary_of([], [first, longer, other])
+    assert (found.trials, found.variants, found.longer, found.outdated) == (3, 1, 0, 2)
+    found = summary_of([], [first, longer])
+    assert (found.longer, found.outdated) == (1, 0)
+
+
+def test_measurements_of_other_sources_are_named(tmp_path: Path) -> None:
+    measured = make_measured(TARGET)
+    stored = SimpleNamespace(runs=(), trials=(), finals={})
+
+    def missing(sources: str) -> dict[str, str]:
+        told = measured.model_copy(update={"sources": sources})
+        return gather(TARGET, "any", "mathavan2014", "cpu", stored, told, []).missing
+
+    assert "age" not in missing(measured.sources)
+    assert "other sources of carom" in missing("changed")["age"]
+
+
+def test_times_of_another_cpu_are_not_measured_for_a_target(tmp_path: Path) -> None:
+    other = next(name for name in ("zen3", "zen2") if name != read_host().target.name)
+    page = tmp_path / "report.html"
+    result = _run("report", "--target", other, "--out", page, "--measure")
+    print(result.stderr)
+    assert result.exit_code == 2
+    assert "never the target's; expected --target native" in result.stderr
+    assert not page.exists()
+
+
+@pytest.mark.long
+def test_what_no_sweep_keeps_is_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "cache_folder", lambda: tmp_path)
+    page = tmp_path / "report.html"
+    result = _run("report", "--out", page, "--measure", "--seconds", 2)
+    assert result.exit_code == 0, result.output
+    document = json.loads(page.with_suffix(".json").read_text("utf-8"))
+    roles = {row["role"] for row in document["chosen"]}
+    assert {BASELINE, BEST, EULER, "E = 1e-06, chosen"} <= roles
+    for name in ("outputs", "worst", "kinds", "growth", "operations", "sections", "calls"):
+        assert document[name], name
+    for row in document["operations"]:
+        stated = dict(part.split()[::-1] for part in row["stated"].split(", "))
+        for kind, count in row["per_step"].items():
+            assert count == int(stated.get(kind, 0)), (row["role"], kind)
+    exact = [row for row in document["chosen"] if row["role"].startswith("E = ")]
+    assert all(row["error"] <= float(row["role"][4:9]) for row in exact)
 
 
 def test_rejections_are_counted_by_reason(made: Made) -> None:
