@@ -56,27 +56,47 @@ def modelled(bench: Workbench, candidate: Candidate, target: Target, cases: Arra
     kernel = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
     probe = {"probe.cpp": candidate.sources["probe.cpp"]}
     compiler, flags = candidate.compiler, candidate.flags
-    steps = candidate.variant.stepper.steps
-    chosen = cases[: EXACT_CASES if steps is None else FIXED_CASES]
+    if target.row.arch != "x86_64":
+        raise KernelError(f"{target.name}: what runs is recorded in x86-64 code alone")
+    steps, wide = candidate.variant.stepper.steps, candidate.variant.width > 1
+    chosen = _batch_of(cases) if wide else cases
+    chosen = chosen[: FIXED_CASES if steps and not wide else EXACT_CASES]
 
     def make() -> dict[str, Any]:
         library = traced(kernel, probe, compiler, flags, candidate.name)
-        return asdict(_replayed(bench, library, target, chosen, steps))
+        return asdict(replayed(bench, library, target, chosen, steps, wide))
 
     texts = sorted(candidate.sources.items())
     tools = (compiler.version, flags, require_mca().version, bench.tool.executable.name)
-    key = key_of(texts, tools, target.row.mca_cpu, chosen, steps, FIXED_STEPS)
+    key = key_of(texts, tools, target.row.mca_cpu, chosen, steps, wide, FIXED_STEPS)
     return Modelled(**bench.store.kept("llvm-mca figures", key, make))
 
 
-def _replayed(
-    bench: Workbench, kernel: TracedKernel, target: Target, cases: Array, steps: int | None
+def _batch_of(cases: Array) -> Array:
+    """The cases with the parameters of the first but u_b, as one call of a batch has them.
+
+    Every R w stays as it is.
+    """
+    shared = cases.copy()
+    shared[:, [*range(12, 15), *range(21, 24)]] *= cases[:, :1] / cases[0, 0]
+    shared[:, [0, 1, 2, 3, 5]] = cases[0, [0, 1, 2, 3, 5]]
+    return shared
+
+
+def replayed(
+    bench: Workbench,
+    kernel: TracedKernel,
+    target: Target,
+    cases: Array,
+    steps: int | None,
+    batch: bool = False,
 ) -> Modelled:
+    """What the kernel's run of the cases takes on the target; `batch`: in one call, all steps."""
     library = build(kernel.job, bench.cache / "kernels")
     with tempfile.TemporaryDirectory() as folder:
         trace = Path(folder, "trace")
-        fewer = None if steps is None else min(steps, FIXED_STEPS)
-        bench.tool.run_kernel(library.path, cases, steps=fewer, trace=trace)
+        fewer = None if steps is None or batch else min(steps, FIXED_STEPS)
+        bench.tool.run_kernel(library.path, cases, steps=fewer, batch=batch, trace=trace)
         ran = kernel.instructions(trace)
     times = 1.0 if steps is None or fewer is None else steps / fewer
     return Modelled(

@@ -106,6 +106,22 @@ def test_fixed_steps_take_far_more_than_exact_ones() -> None:
     assert 0.01 < ratio < 0.15
 
 
+def test_a_batch_is_replayed_too() -> None:
+    """Of a kernel with one lane it is the same collisions one after the other."""
+    need()
+    made, target, cases = candidate(exact("dp54")), find_target(TARGET), some_cases(32)
+    cases[:, [0, 1, 2, 3, 5]] = cases[0, [0, 1, 2, 3, 5]]
+    probe = {"probe.cpp": made.sources["probe.cpp"]}
+    rest = {k: v for k, v in made.sources.items() if k not in probe}
+    kernel = traced(rest, probe, compiler_of(made.variant), made.flags, made.name)
+    single, batch = (
+        modelling.replayed(bench(), kernel, target, cases, None, batch=b).cycles
+        for b in (False, True)
+    )
+    print(f"dp54 at 1e-6 on haswell: {single:.0f} cycles a collision, in a batch {batch:.0f}")
+    assert batch == pytest.approx(single, rel=0.1)
+
+
 def test_what_ran_is_what_is_counted() -> None:
     """A chain of additions takes their latency, independent ones their throughput."""
     need()
