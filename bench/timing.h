@@ -47,6 +47,7 @@ class Comparison {
 
  private:
   Spent block(const Entrant& entrant, const Window& window);
+  double least_of_blocks(const Entrant& entrant, const Window& window);  // ns
   double ns_per_collision(const Entrant& entrant);
   void calibrate();
 

@@ -25,7 +25,8 @@ class Choice:
 
 
 def _preferred(tied: Sequence[Candidate]) -> Candidate:
-    return min(tied, key=lambda c: (c.variant.distance_from_default(), c.name))
+    """The first listed of those with the fewest options away from the default."""
+    return min(tied, key=lambda c: c.variant.distance_from_default())
 
 
 def _eligible(candidates: Sequence[Candidate]) -> list[Candidate]:
