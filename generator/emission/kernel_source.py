@@ -11,7 +11,9 @@ from generator.emission import isa
 from generator.emission.banner import banner, source_hash
 from generator.emission.environment import environment
 from generator.emission.exact_context import ExactContext, exact_context
+from generator.emission.fixed_step_lanes import FixedStepBatch, fixed_step_batch
 from generator.emission.formatting import format_source
+from generator.emission.lanes import LaneContext, lane_context
 from generator.errors import InputError
 from generator.lowering.collision_ends import CollisionEnds, at_zero
 from generator.lowering.counts import OperationCounts
@@ -122,6 +124,9 @@ class KernelContext:
     pair_fma: str = ""
     rsqrt_call: str = "exact_rsqrt"
     exact: ExactContext | None = None
+    lanes: LaneContext | None = None  # the vocabulary of batches in lanes
+    euler_batch: FixedStepBatch | None = None
+    u_b_range: tuple[str, str] = ("0.0", "0.0")
     closed_counts: OperationCounts = field(default_factory=OperationCounts)
     contact_slip: tuple[str, ...] = ()  # c_x and c_z, where friction depends on them
     checks: tuple[str, ...] = ()  # conditions on the parameters
@@ -130,6 +135,11 @@ class KernelContext:
     quad_lanes: tuple[dict[str, str], ...] = field(
         default=tuple({"name": n, "index": str(i)} for i, n in enumerate(("v1", "o1", "v2", "o2")))
     )
+
+    @property
+    def batch(self) -> bool:
+        """Are batches of collisions worked on in lanes?"""
+        return self.euler_batch is not None
 
     @property
     def u_b_free(self) -> bool:
@@ -350,6 +360,12 @@ def _exact(context: KernelContext, variant: Variant, target: Target) -> Operatio
     return context.exact.counts
 
 
+def _lanes(variant: Variant, target: Target) -> LaneContext:
+    return lane_context(
+        target, variant.width, int(variant["interleave"][1:]), variant["fma"] == "fma"
+    )
+
+
 def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:
     """Fill in what the fixed-step core needs; the operations of an iteration."""
     scene = context.scene
@@ -374,6 +390,9 @@ def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> Ope
     if variant["simd"] in ("balls", "slips"):
         context.pair_rsqrt = isa.pair_root(target, method)
         context.pair_fma = isa.pair_fma(target) if variant["fma"] == "fma" else ""
+    if variant.width > 1:
+        context.lanes = _lanes(variant, target)
+        context.euler_batch = fixed_step_batch(variant, terms, context.lanes)
     return next((f for f in context.functions if f.pressed), context.functions[0]).counts()
 
 
@@ -416,6 +435,8 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
         restore_template=f"sections/restore_{'vector' if vector_frame else 'scalar'}.j2",
     )
     context.motions, context.level_pairs = motions, level_pairs
+    low, high = scene.range_of("u_b")
+    context.u_b_range = (repr(low), repr(high))
     context.checks = tuple(f.check for f in fields)
     if scene.equal_table:
         context.checks += ("p.u_s1 == p.u_s2",)
@@ -431,9 +452,10 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
     context.contract = _contract(variant, scene, method)
     command = command or command_for(variant)
     template = environment().get_template("kernel.cpp.j2")
-    body = template.render(k=context, x=context.exact)
+    given = {"k": context, "x": context.exact, "lanes": context.lanes, "b": context.euler_batch}
+    body = template.render(given)
     context.banner = banner("kernel.cpp.j2", name, command, source_hash(name, command, body))
-    source = format_source(template.render(k=context, x=context.exact), f"{name}.cpp")
+    source = format_source(template.render(given), f"{name}.cpp")
     return KernelSource(
         variant=variant,
         source_name=name,

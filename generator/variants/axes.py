@@ -25,6 +25,7 @@ class Axis:
     text: str
     choices: tuple[Choice, ...]  # the first one is the default
     family: str = "euler"  # which steppers have it: "euler", "exact" or "all"
+    lanes: bool = False  # only kernels with more than one lane have it
 
     @property
     def default(self) -> str:
@@ -34,9 +35,9 @@ class Axis:
         return tuple(choice.code for choice in self.choices)
 
 
-def _axis(key: str, text: str, family: str, **choices: str) -> Axis:
+def _axis(key: str, text: str, family: str, lanes: bool = False, **choices: str) -> Axis:
     pairs = tuple(Choice(code.rstrip("_"), meaning) for code, meaning in choices.items())
-    return Axis(key, text, pairs, family)
+    return Axis(key, text, pairs, family, lanes)
 
 
 AXES: tuple[Axis, ...] = (
@@ -135,6 +136,35 @@ AXES: tuple[Axis, ...] = (
         slips="lanes are the contact slip and the table slip",
     ),
     _axis(
+        "lane_root",
+        "reciprocal of a slip's length in lanes of fixed steps",
+        "euler",
+        lanes=True,
+        est1="hardware estimate and one Newton step",
+        cubic="hardware estimate and one step of third order",
+        est2="hardware estimate and two Newton steps",
+        inv="sqrt and division",
+    ),
+    _axis(
+        "finished",
+        "lanes whose collision is over, in fixed steps",
+        "euler",
+        lanes=True,
+        masked="stand still till their vector is over; contact that chatters comes last in it",
+        aside="the same, but contact that chatters is set aside and done in a second pass",
+        refilled="take the next collision that waits; contact that chatters in a second pass",
+    ),
+    _axis(
+        "interleave",
+        "vectors worked on in turn, to fill each other's latency",
+        "all",
+        lanes=True,
+        i1="one",
+        i2="two",
+        i3="three",
+        i4="four",
+    ),
+    _axis(
         "compiler",
         "compiler",
         "all",
@@ -152,9 +182,10 @@ AXES: tuple[Axis, ...] = (
 )
 
 
-def axes_of(family: str) -> tuple[Axis, ...]:
-    """The axes that kernels of a stepper family have, in name order."""
-    return tuple(axis for axis in AXES if axis.family in (family, "all"))
+def axes_of(family: str, width: int = 1) -> tuple[Axis, ...]:
+    """The axes that kernels of a stepper family and that many lanes have, in name order."""
+    fitting = (axis for axis in AXES if axis.family in (family, "all"))
+    return tuple(axis for axis in fitting if width > 1 or not axis.lanes)
 
 
 def axis(key: str) -> Axis:

@@ -4,7 +4,8 @@
 
 TARGET, SCENE, MODEL and STEPPER are registry names (letters, digits, `-` and `_`); GOAL is
 `n<steps>` or `e<budget>`; WIDTH is `x<lanes>`; then one CHOICE code for each axis of the stepper's
-family, in axis order. Files use the name as it is, C symbols with `.` and `-` turned into `_`.
+family and width, in axis order. Files use the name as it is, C symbols with `.` and `-` turned
+into `_`.
 """
 
 from __future__ import annotations
@@ -50,11 +51,13 @@ def variant_of(name: str) -> Variant:
         )
     target, scene, model, stepper_name, goal, width = fields[:6]
     stepper = _stepper_of(stepper_name, goal)
-    axes = axes_of(stepper.family)
-    if len(fields) - 6 != len(axes):
-        raise ValueError(f"'{name}' has {len(fields) - 6} choices; {stepper.name} has {len(axes)}")
     if not re.fullmatch(r"x[1-9][0-9]*", width):
         raise ValueError(f"'{width}' in '{name}' is no width; expected x1, x4, ...")
+    axes = axes_of(stepper.family, int(width[1:]))
+    if len(fields) - 6 != len(axes):
+        raise ValueError(
+            f"'{name}' has {len(fields) - 6} choices; {stepper.name} {width} has {len(axes)}"
+        )
     options = {a.key: code for a, code in zip(axes, fields[6:], strict=True)}
     return make_variant(target, scene, model, stepper, int(width[1:]), **options)
 

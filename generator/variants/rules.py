@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from generator.targets.target import Target
+from generator.variants.lanes import widths_of
 from generator.variants.variant import Variant
 
 
@@ -135,6 +136,26 @@ RULES: tuple[Rule, ...] = (
         "chain-needs-early-roots",
         "the chain can come first only where its root is made at the start of the iteration",
         _euler(lambda v: v["order"] == "chain" and v["roots"] != "early"),
+    ),
+    Rule(
+        "lanes-need-vectors",
+        "the target has no vectors of so many doubles",
+        lambda v, t: v.width not in widths_of(t),
+    ),
+    Rule(
+        "lanes-need-ieee",
+        "lanes are told apart by NaN, infinities and comparisons: use flags=strict with them",
+        lambda v, _t: v.width > 1 and v["flags"] != "strict",
+    ),
+    Rule(
+        "lanes-place-their-fma",
+        "the same collision must be rounded alike in every lane: use fma=fma or nofma",
+        lambda v, _t: v.width > 1 and v["fma"] == "autofma",
+    ),
+    Rule(
+        "lane-estimate-needs-hardware",
+        "the target has no instruction that estimates a reciprocal square root",
+        lambda v, t: v.get("lane_root", "inv") != "inv" and not t.has_rsqrt_estimate,
     ),
 )
 

@@ -66,8 +66,15 @@ class Variant:
         chosen = dict(self.options)
         for key, code in changes.items():
             chosen[key] = _checked(key, code)
-        ordered = tuple((a.key, chosen[a.key]) for a in axes_of(self.stepper.family))
+        axes = axes_of(self.stepper.family, self.width)
+        ordered = tuple((a.key, chosen[a.key]) for a in axes)
         return replace(self, options=ordered)
+
+    def in_lanes(self, width: int, **changes: str) -> Variant:
+        """The same kernel with batches in vectors of `width`; options of lanes default or given."""
+        options = {key: code for key, code in self.options if not axis(key).lanes}
+        head = (self.target, self.scene, self.model, self.stepper)
+        return make_variant(*head, width, **{**options, **changes})
 
     def distance_from_default(self) -> int:
         """How many options differ from the default; ties are broken by it."""
@@ -93,6 +100,6 @@ def make_variant(
     **options: str,
 ) -> Variant:
     """A variant with defaults for every option that is not named."""
-    defaults = tuple((a.key, a.default) for a in axes_of(stepper.family))
+    defaults = tuple((a.key, a.default) for a in axes_of(stepper.family, width))
     base = Variant(target, scene, model, stepper, width, defaults)
     return base.with_options(**options)

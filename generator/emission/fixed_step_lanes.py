@@ -1,0 +1,98 @@
+"""What the templates of fixed-step batches may see."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from generator.emission.lanes import LaneContext
+from generator.lowering.fixed_step_lanes import CONTACT, LaneLowering
+from generator.lowering.printer import number
+from generator.mechanics.contact import ContactTerms
+from generator.variants.variant import Variant
+
+BLOCK = 1024  # collisions in a block, about
+# Lines of 2 / sqrt(n): the factor 2 saves a product and is undone in constants.
+_ROOTS = {
+    "inv": ("return real(2.0) * x / sqrt(n);",),
+    "est1": (
+        "const Real y = rsqrt_estimate(n);",
+        "return x * y * fma(-n, y * y, real(3.0));",
+    ),
+    "est2": (
+        "const Real y = rsqrt_estimate(n);",
+        "const Real z = y * fma(-n, y * y, real(3.0));",
+        "return x * z * fma(real(-0.125) * n, z * z, real(1.5));",
+    ),
+    "cubic": (
+        "const Real y = rsqrt_estimate(n);",
+        "const Real off = fma(-n, y * y, real(1.0));",
+        "return x * y * fma(off, fma(real(0.75), off, real(1.0)), real(2.0));",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class FixedStepBatch:
+    """Numbers and lines of templates/fixed_step/lanes, there called `b`."""
+
+    groups: int
+    refill_at: int
+    root: tuple[str, ...]
+    root_text: str
+    before: tuple[str, ...]  # the slips and v_n of a contact
+    slips: tuple[str, ...]  # the slips alone
+    steady_rates: tuple[str, ...]
+    steady: tuple[str, ...]
+    level: tuple[str, ...]
+    chatter: tuple[str, ...]
+    sums: tuple[str, ...]
+    sums_both: tuple[str, ...]
+    after: tuple[str, ...]
+    per_level_x: str
+    drive: str  # what v_n gains in a step without table friction, in dq
+    take: (
+        float  # steps that may be taken at once use up half of |c|: 4 times what one takes at most
+    )
+    take_s: float  # the same, for the share of table friction
+    sure: float  # of a number of steps that is made by estimates
+    contact: tuple[str, ...] = CONTACT
+
+
+def fixed_step_batch(variant: Variant, terms: ContactTerms, lanes: LaneContext) -> FixedStepBatch:
+    """Decide everything that a fixed-step batch's templates show."""
+    low = LaneLowering(terms, variant["fma"] == "fma")
+    finished = variant["finished"]
+    taken, taken_s = low.most_taken()
+    return FixedStepBatch(
+        groups=1 if finished == "masked" else max(1, BLOCK // lanes.whole),
+        refill_at=max(1, lanes.whole // 8) if finished == "refilled" else lanes.whole,
+        root=_ROOTS[variant["lane_root"]],
+        root_text=_root_text(variant["lane_root"], lanes),
+        before=low.before().lines,
+        slips=low.before(slips_only=True).lines,
+        steady_rates=low.steady_rates().lines,
+        steady=low.steady().lines,
+        level=low.level().lines,
+        chatter=low.chatter().lines,
+        sums=low.sums().lines,
+        sums_both=low.sums_both().lines,
+        after=low.after().lines,
+        per_level_x=low.per_level_x(),
+        drive=number(low.drive()),
+        take=4 * taken,
+        take_s=8 * taken_s,
+        sure=1 - 8 * lanes.estimate_error,
+    )
+
+
+def _root_text(root: str, lanes: LaneContext) -> str:
+    if root == "inv":
+        return ""
+    error = lanes.estimate_error
+    if root == "cubic":
+        return f": an estimate to {error:.0e}, then a step of third order to {2.5 * error**3:.0e}"
+    steps = int(root[-1])
+    refined = error
+    for _ in range(steps):
+        refined = 1.5 * refined * refined
+    return f": an estimate to {error:.0e}, then {steps} Newton to {max(refined, 2.0**-52):.0e}"
