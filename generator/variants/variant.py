@@ -71,7 +71,10 @@ class Variant:
         return replace(self, options=ordered)
 
     def in_lanes(self, width: int, **changes: str) -> Variant:
-        """The same kernel with batches in vectors of `width`; options of lanes default or given."""
+        """The same kernel with batches in vectors of `width`; options of lanes default or given.
+
+        With width 1 batches go one by one. ValueError names a choice that does not exist.
+        """
         options = {key: code for key, code in self.options if not axis(key).lanes}
         head = (self.target, self.scene, self.model, self.stepper)
         return make_variant(*head, width, **{**options, **changes})

@@ -68,8 +68,12 @@ def test_names_are_read_back() -> None:
     rng = random.Random(3)
     for each in random_variants(3, 300, tuple(targets())):
         goal = rng.choice([EULER, Stepper("euler", steps=rng.randrange(1, 10**8))])
-        made = replace(each, stepper=goal, width=rng.choice([1, 2, 4, 8]))
+        made = replace(each, stepper=goal)
+        lanes = {a.key: rng.choice(a.codes()) for a in axes_of("euler", 2) if a.lanes}
+        wide = made.in_lanes(rng.choice([2, 4, 8]), **lanes)
         assert variant_of(name_of(made)) == made
+        assert variant_of(name_of(wide)) == wide
+        assert wide.in_lanes(1) == made
     assert len({name_of(v) for v in random_variants(4, 500, TARGETS)}) == 500
 
 
@@ -91,15 +95,16 @@ def test_wrong_names_are_refused(change, complaint: str) -> None:
 def test_every_rule_can_be_broken_alone_of_what_comes_before() -> None:
     """A rule that nothing reaches is dead: each must be the reason for some refusal."""
     rng, met = random.Random(5), set()
-    axes = axes_of("euler")
     for _ in range(60000):
-        options = {a.key: rng.choice(a.codes()) for a in axes}
-        rule = broken_rule(variant("x86-64-v2", **options), find_target("x86-64-v2"))
+        target, width = find_target(rng.choice(TARGETS)), rng.choice((1, 1, 1, 2, 8))
+        options = {a.key: rng.choice(a.codes()) for a in axes_of("euler", width)}
+        drawn = make_variant(target.name, "any", "pooltool", EULER, width, **options)
+        rule = broken_rule(drawn, target)
         if rule is not None:
             met.add(rule.name)
     others = {r.name for r in RULES} - met
     # No target of the registry lacks an estimate; the rule is for one that will.
-    assert others <= {"estimate-needs-hardware"}
+    assert others <= {"estimate-needs-hardware", "lane-estimate-needs-hardware"}
 
 
 def test_a_refusal_names_the_rule_and_the_reason() -> None:
@@ -149,6 +154,18 @@ def test_every_choice_changes_the_text_or_the_flags() -> None:
     reached = {choice for base in bases for choice in base.options}
     print("legal only together with others:", sorted(alone))
     assert alone <= reached | {("simd", "slips"), ("simd", "balls")}
+
+
+def test_every_choice_of_lanes_changes_the_text() -> None:
+    base = variant("x86-64-v4", fma="fma", **_scalar_part()).in_lanes(8)
+    lanes = [a for a in axes_of("euler", 8) if a.lanes]
+    made = [base.with_options(**{a.key: code}) for a in lanes for code in a.codes()[1:]]
+    assert all(is_legal(v) for v in (base, *made))
+    assert len({body(v) for v in (base, *made)}) == 1 + len(made)
+
+
+def _scalar_part() -> dict[str, str]:
+    return {k: v for k, v in find_preset("reduced").options.items() if k != "fma"}
 
 
 def test_flags_follow_the_axis() -> None:
