@@ -97,11 +97,11 @@ class DispatchContext:
 
     @property
     def wide(self) -> bool:
-        return any("wide" in feature.condition for feature in self.features)
+        return any(feature.condition.startswith("wide ") for feature in self.features)
 
     @property
     def widest(self) -> bool:
-        return any("widest" in feature.condition for feature in self.features)
+        return any(feature.condition.startswith("widest ") for feature in self.features)
 
 
 def unit_of(target: str) -> str:

@@ -9,7 +9,9 @@ import pytest
 from kernels import ROOT
 from vendored import EXACT, PAIRS, STRICT, compiled, ran, request_for, vendored
 
+import generator.targets.target as target_room
 from generator.choice.lookup import Goal
+from generator.targets.target import Target, TargetRow, targets
 
 PROGRAMS = ROOT / "tests" / "vendor"
 TARGETS = "zen3,x86-64-v2"
@@ -26,6 +28,27 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def objects(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return compiled(folder, tmp_path_factory.mktemp("objects"), PAIRS[0][0], "-O1")
+
+
+@pytest.fixture
+def arm(monkeypatch: pytest.MonkeyPatch) -> str:
+    """The first AArch64 target; one is made up where there is none."""
+    known = targets()
+    for name, target in known.items():
+        if target.row.arch == "aarch64":
+            return name
+    row = TargetRow(
+        text="made up",
+        arch="aarch64",
+        march="armv8-a",
+        mca_cpu="cortex-a72",
+        vector_bits=128,
+        vector_registers=32,
+    )
+    features = frozenset({"neon", "fma"})
+    made = Target(name="arm-made-up", row=row, features=features, ancestors=())
+    monkeypatch.setattr(target_room, "targets", lambda: {**known, made.name: made})
+    return made.name
 
 
 def program(source: Path, objects: list[Path], folder: Path, into: Path, *flags: str) -> Path:
@@ -166,3 +189,25 @@ def test_one_header_holds_everything(pair, targets, tmp_path) -> None:
     run = tmp_path / "run"
     ran([cc, "-std=c99", *STRICT, *includes, client, tmp_path / "both.o", "-lm", "-o", run])
     assert "status 0" in ran([run]).stdout
+
+
+@pytest.mark.skipif(
+    not (shutil.which("aarch64-linux-gnu-g++") and shutil.which("qemu-aarch64")),
+    reason="no AArch64 cross compiler or no qemu-aarch64",
+)
+@pytest.mark.parametrize("names", ["x86-64-v2,ARM", "ARM"])
+def test_other_architectures_build_and_run_from_the_same_folder(names, tmp_path, arm) -> None:
+    """x86-64 and AArch64 in one folder: each compiler takes its own units; qemu runs AArch64."""
+    made = vendored(tmp_path / "made", request_for(names.replace("ARM", arm)))
+    compilers = {"aarch64-linux-gnu-g++": ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"]}
+    if names != "ARM":
+        compilers[PAIRS[0][0]] = []
+    for compiler, runner in compilers.items():
+        objects = compiled(made, tmp_path / compiler, compiler, "-O1")
+        test = tmp_path / f"{compiler}-selftest"
+        source = ["-x", "c++", made / "carom_selftest.c", "-x", "none"]
+        ran([compiler, "-std=c++17", *STRICT, *source, *objects, "-lm", "-o", test])
+        told = ran([*runner, test]).stdout
+        print(told)
+        assert "0 failures" in told and "33 cases" in told
+        assert (arm in told) == bool(runner)
