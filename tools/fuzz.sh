@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes every target in turn: tools/fuzz.sh SECONDS [FOLDER]. The time is shared out as `share` says.
+# Fuzzes every target in turn: tools/fuzz.sh SECONDS [FOLDER [TARGET...]]. The time is shared out as
+# `share` says, of which TARGETs get their part alone.
 # Corpora grow in FOLDER (build/fuzz-corpus), logs and findings too. Exit status 1 where a promise of an
 # interface was broken; results that are grossly over a budget (`budget`) are counted, and kept.
 set -euo pipefail
@@ -7,6 +8,7 @@ set -euo pipefail
 root=$(cd -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/.." && pwd)
 seconds=${1:?"name the seconds to spend, as tools/fuzz.sh 3600"}
 folder=${2:-$root/build/fuzz-corpus}
+only=" ${*:3} "
 logs=$folder/logs
 mkdir -p "$logs"
 cd "$root"
@@ -73,6 +75,7 @@ build fuzz-memory
 parsers
 for line in "${share[@]}"; do
   read -r name percent program <<<"$line"
+  if [[ $only != "  " && $only != *" $name "* ]]; then continue; fi
   fuzz "$name" "$percent" "$program"
 done
 exit "$failed"
