@@ -1,4 +1,4 @@
-# carom_kernel_set(SOURCES FOLDER): the kernels of generator/clients, emitted when CMake configures and
+# carom_kernel_set(SOURCES FOLDER [wasm]): the kernels of generator/clients, emitted when CMake configures and
 # again where the generator has changed. Python_EXECUTABLE must have the generator's packages.
 function(carom_kernel_set sources_out folder_out)
   file(GLOB_RECURSE inputs CONFIGURE_DEPENDS
@@ -8,7 +8,7 @@ function(carom_kernel_set sources_out folder_out)
   set(folder ${PROJECT_BINARY_DIR}/kernels)
   execute_process(
     COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${PROJECT_SOURCE_DIR}
-            ${Python_EXECUTABLE} -m generator.clients ${folder}
+            ${Python_EXECUTABLE} -m generator.clients ${folder} ${ARGN}
     COMMAND_ERROR_IS_FATAL ANY)
   file(GLOB sources ${folder}/*.cpp)
   set(${sources_out} ${sources} PARENT_SCOPE)

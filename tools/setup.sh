@@ -12,6 +12,8 @@ carom_needs=(
   "llvm-mca-19:llvm-19:soft"
   "valgrind:valgrind:soft"
   "chromium-headless-shell:chromium-headless-shell:soft"
+  "wasm-ld-19:lld-19:soft"
+  "node:nodejs:soft"
   "cmake:cmake:hard"
   "ninja:ninja-build:hard"
   "include/gtest/gtest.h:libgtest-dev:soft"

@@ -1,21 +1,22 @@
-"""python -m generator.clients FOLDER: the kernels of the Python module, for its build."""
+"""python -m generator.clients FOLDER [wasm]: the kernels of the Python or JavaScript module."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
 
-from generator.clients.kernel_set import write_kernel_set
+from generator.clients.kernel_set import TARGETS, WASM_TARGETS, write_kernel_set
 from generator.errors import InputError, KernelError
 
 
 def main(arguments: list[str]) -> int:
-    """Write the kernel set into the folder that is the one argument; the exit status."""
-    if len(arguments) != 1:
-        print("usage: python -m generator.clients FOLDER", file=sys.stderr)
+    """Write the kernel set into the folder that the first argument names; the exit status."""
+    if len(arguments) not in (1, 2) or arguments[1:] not in ([], ["wasm"]):
+        print("usage: python -m generator.clients FOLDER [wasm]", file=sys.stderr)
         return 2
     try:
-        changed = write_kernel_set(Path(arguments[0]))
+        targets = WASM_TARGETS if arguments[1:] else TARGETS
+        changed = write_kernel_set(Path(arguments[0]), targets)
     except (InputError, KernelError) as error:
         print(f"generator.clients: {error}", file=sys.stderr)
         return 2 if isinstance(error, InputError) else 1

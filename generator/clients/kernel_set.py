@@ -1,4 +1,4 @@
-"""The kernels that the Python module carries: every model and goal, for each level of x86-64.
+"""The kernels that modules of other languages carry: every model and goal, for some targets.
 
 One C++ source a kernel, each with a prefix of its own, and a table that names them all. The module
 takes the first row that its CPU runs.
@@ -18,7 +18,7 @@ from generator.emission.files import write_atomically
 from generator.emission.isa import compiled_features
 from generator.emission.kernel_source import KernelSource, Naming, emit
 from generator.scenes.models import MODELS
-from generator.targets.target import Target, find_target
+from generator.targets.target import Target, target_or_port
 from generator.variants.names import symbol_of
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Variant
@@ -27,6 +27,7 @@ SCENE = "any"
 STEPS = 1000  # pooltool's default; the kernel takes any other number too
 BUDGETS = (1e-3, 1e-6, 1e-9)  # loosest, so fastest, first
 TARGETS = ("x86-64-v4", "x86-64-v3", "x86-64-v2")  # best first
+WASM_TARGETS = ("wasm32",)
 # Ways of making 1/sqrt by the tightest budget that they are used for: what timing has chosen where
 # it has (README, "Exact kernels"). The module's tests verify each on all reference cases.
 _ROOTS = ((1e-3, "est0"), (1e-6, "est1"), (1e-9, "cubic"))
@@ -72,17 +73,17 @@ def _variant(target: Target, model: str, goal: Goal) -> Variant:
     return first
 
 
-def rows() -> tuple[Row, ...]:
+def rows(targets: tuple[str, ...] = TARGETS) -> tuple[Row, ...]:
     """The whole set: by model, then goal, then target, best first."""
     goals = (Goal(steps=STEPS), *(Goal(budget=budget) for budget in BUDGETS))
-    return tuple(_rows(goals))
+    return tuple(_rows(targets, goals))
 
 
-def _rows(goals: tuple[Goal, ...]) -> Iterator[Row]:
+def _rows(targets: tuple[str, ...], goals: tuple[Goal, ...]) -> Iterator[Row]:
     for model in MODELS:
         for goal in goals:
-            for name in TARGETS:
-                variant = _variant(find_target(name), model.name, goal)
+            for name in targets:
+                variant = _variant(target_or_port(name), model.name, goal)
                 short = symbol_of(f"carom_{model.name}_{variant.stepper.goal}_{name}")
                 yield Row(short, name, variant)
 
@@ -91,25 +92,25 @@ def _emit(row: Row) -> KernelSource:
     return emit(row.variant, Naming(row.prefix), COMMAND)
 
 
-def kernel_set() -> dict[str, str]:
+def kernel_set(targets: tuple[str, ...] = TARGETS) -> dict[str, str]:
     """All files of the set by name, the table among them."""
-    table = rows()
+    table = rows(targets)
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         sources = list(pool.map(_emit, table))
     files = {}
     for row, source in zip(table, sources, strict=True):
         files[f"{row.prefix}.h"] = source.header
         files[f"{row.prefix}.cpp"] = source.source
-    targets = [(symbol_of(name), compiled_features(find_target(name))) for name in TARGETS]
+    needs = [(symbol_of(name), compiled_features(target_or_port(name))) for name in targets]
     files["kernel_table.cpp"] = client_file(
-        "kernel_table.cpp.j2", COMMAND, rows=table, targets=targets
+        "kernel_table.cpp.j2", COMMAND, rows=table, targets=needs
     )
     return files
 
 
-def write_kernel_set(folder: Path) -> int:
+def write_kernel_set(folder: Path, targets: tuple[str, ...] = TARGETS) -> int:
     """Make a folder hold the set and no other source; how many files changed."""
-    files = kernel_set()
+    files = kernel_set(targets)
     changed = 0
     for name, text in files.items():
         path = folder / name

@@ -83,7 +83,9 @@ def estimate(target: Target, newton: int) -> Estimate:
             "return static_cast<double>(_mm_cvtss_f32(_mm_rsqrt_ss(low)));",
         )
         return Estimate("rsqrtss (1.5 * 2^-12)", lines, newton, 1.5 * 2.0**-12)
-    return Estimate("frsqrte (2^-8)", ("return vrsqrted_f64(n);",), newton, 2.0**-8)
+    if target.has("neon"):
+        return Estimate("frsqrte (2^-8)", ("return vrsqrted_f64(n);",), newton, 2.0**-8)
+    return Estimate("the root itself", ("return 1.0 / std::sqrt(n);",), newton, 2.0**-52)
 
 
 def float_estimate(target: Target, newton: int) -> Estimate:
@@ -91,7 +93,9 @@ def float_estimate(target: Target, newton: int) -> Estimate:
     if target.has("sse2"):
         line = "return _mm_cvtss_f32(_mm_rsqrt_ss(_mm_set_ss(n)));"
         return Estimate("rsqrtss (1.5 * 2^-12)", (line,), newton, 1.5 * 2.0**-12)
-    return Estimate("frsqrte (2^-8)", ("return vrsqrtes_f32(n);",), newton, 2.0**-8)
+    if target.has("neon"):
+        return Estimate("frsqrte (2^-8)", ("return vrsqrtes_f32(n);",), newton, 2.0**-8)
+    return Estimate("the root itself", ("return 1.0f / std::sqrt(n);",), newton, 2.0**-23)
 
 
 def pair_root(target: Target, method: str) -> tuple[str, ...]:
@@ -117,5 +121,6 @@ def pair_fma(target: Target) -> str:
     return "_mm_fmadd_pd" if target.has("fma") and target.row.arch == "x86_64" else ""
 
 
-def intrinsics_header(target: Target) -> str:
-    return "immintrin.h" if target.row.arch == "x86_64" else "arm_neon.h"
+def intrinsics_headers(target: Target) -> tuple[str, ...]:
+    headers = {"x86_64": ("immintrin.h",), "aarch64": ("arm_neon.h",)}
+    return headers.get(target.row.arch, ())

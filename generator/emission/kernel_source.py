@@ -23,7 +23,7 @@ from generator.lowering.text_counts import operations_in
 from generator.mechanics.masses import masses_of
 from generator.scenes.models import find_model
 from generator.scenes.scene import ALCIATORE, LIMITS, TABLE_FRICTION, UNITS, Scene, find_scene
-from generator.targets.target import Target, find_target
+from generator.targets.target import Target, target_or_port
 from generator.variants.names import source_name_of
 from generator.variants.rules import require_legal
 from generator.variants.variant import Variant
@@ -398,7 +398,7 @@ def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> Ope
 
 def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) -> KernelSource:
     """The text of a kernel, its header and its probe. ValueError where the variant is illegal."""
-    target, scene = find_target(variant.target), find_scene(variant.scene)
+    target, scene = target_or_port(variant.target), find_scene(variant.scene)
     require_legal(variant, target)
     fixed, free, fields = _fields(scene)
     begin, end = isa.pragmas(target, contract=variant["fma"] == "autofma")
@@ -421,7 +421,7 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
         scene=scene,
         variant=variant,
         contract=(),
-        includes=("limits", isa.intrinsics_header(target)),
+        includes=("limits", *isa.intrinsics_headers(target)),
         pragmas_begin=begin,
         pragmas_end=end,
         fixed=fixed,

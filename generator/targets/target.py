@@ -72,12 +72,22 @@ def _inherit(name: str, rows: dict[str, TargetRow]) -> Target:
     return Target(name=name, row=rows[name], features=features, ancestors=tuple(chain[1:]))
 
 
+def _shipped(name: str) -> dict[str, Target]:
+    source = resources.files("generator.targets") / name
+    rows = load_rows(source.read_text(encoding="utf-8"), f"generator/targets/{name}")
+    return {name: _inherit(name, rows) for name in rows}
+
+
 @cache
 def targets() -> dict[str, Target]:
     """All targets by name, in the order of the file."""
-    source = resources.files("generator.targets") / "targets.toml"
-    rows = load_rows(source.read_text(encoding="utf-8"), "generator/targets/targets.toml")
-    return {name: _inherit(name, rows) for name in rows}
+    return _shipped("targets.toml")
+
+
+@cache
+def ports() -> dict[str, Target]:
+    """What only a client makes kernels for, as wasm32: no command knows it."""
+    return _shipped("ports.toml")
 
 
 def find_target(name: str) -> Target:
@@ -86,3 +96,8 @@ def find_target(name: str) -> Target:
     if name not in known:
         raise InputError(f"--target {name}: no such target; there are native, {', '.join(known)}")
     return known[name]
+
+
+def target_or_port(name: str) -> Target:
+    """As find_target, and ports: whatever a kernel can be emitted for."""
+    return ports().get(name) or find_target(name)

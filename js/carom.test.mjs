@@ -1,0 +1,99 @@
+// node --test js/carom.test.mjs: kernels in WebAssembly against the reference of the project.
+import assert from "node:assert/strict";
+import {readFileSync} from "node:fs";
+import {test} from "node:test";
+
+import {loadCarom, Status} from "./carom.mjs";
+
+const root = new URL("../", import.meta.url);
+const wasm = process.env.CAROM_WASM ?? new URL("build/wasm/js/carom.wasm", root);
+const carom = await loadCarom(readFileSync(wasm));
+
+const PARAMETERS = ["R", "M", "u_s1", "u_s2", "u_b", "e_b"];
+const AXES = ["x", "y", "z"];
+const namesOf = (ball, kinds) => kinds.flatMap((kind) => AXES.map((axis) => kind + ball + axis));
+const OUTCOME = [...namesOf(1, ["v", "w"]), ...namesOf(2, ["v", "w"])];
+
+function records(name) {
+  const path = new URL(`tests/data/reference/${name}.csv`, root);
+  const [header, ...lines] = readFileSync(path, "utf8").trim().split(/\r?\n/);
+  const names = header.split(",");
+  return lines.map((line) => {
+    const fields = line.split(",");
+    return Object.fromEntries(names.map((key, index) => [key, fields[index]]));
+  });
+}
+
+const cases = records("inputs").map((row) => ({
+  parameters: Object.fromEntries(PARAMETERS.map((key) => [key, Number(row[key])])),
+  ball1: namesOf(1, ["r", "v", "w"]).map((key) => Number(row[key])),
+  ball2: namesOf(2, ["r", "v", "w"]).map((key) => Number(row[key])),
+}));
+
+const velocities = ({ball1, ball2}) => [...ball1.slice(3), ...ball2.slice(3)];
+
+/** The largest difference, spins as R w, relative to |v1 - v2|. */
+function errorOf(each, got, want) {
+  const relative = Math.hypot(...[3, 4, 5].map((i) => each.ball1[i] - each.ball2[i]));
+  const units = OUTCOME.map((name) => (name[0] === "w" ? each.parameters.R : 1));
+  return Math.max(...got.map((value, i) => Math.abs(value - want[i]) * units[i])) / relative;
+}
+
+for (const model of ["mathavan2014", "bottom_slip", "pooltool"]) {
+  const exact = records(`exact_${model}`).map((row) => OUTCOME.map((name) => Number(row[name])));
+  for (const maxError of [1e-3, 1e-6, 1e-9]) {
+    test(`${model} keeps ${maxError} on all reference cases`, (t) => {
+      const kernel = carom.kernel({model, maxError});
+      assert.equal(kernel.maxError, maxError);
+      let worst = 0;
+      cases.forEach((each, index) => {
+        const done = kernel.collide(each.parameters, each.ball1, each.ball2);
+        assert.equal(done.status, Status.OK);
+        worst = Math.max(worst, errorOf(each, velocities(done), exact[index]));
+      });
+      t.diagnostic(`${kernel.name}: ${cases.length} cases, largest error ${worst.toExponential(1)}`);
+      assert.ok(cases.length === 950 && worst <= maxError);
+    });
+  }
+}
+
+test("a batch is as many single calls, however large", () => {
+  const n = 20000, kernel = carom.kernel();
+  const parameters = cases[0].parameters;
+  const columns = new Float64Array(18 * n);
+  for (let i = 0; i < n; ++i) {
+    const {ball1, ball2} = cases[i % cases.length];
+    [...ball1, ...ball2].forEach((value, j) => { columns[j * n + i] = value; });
+  }
+  const batch = kernel.collideBatch(parameters, columns);
+  assert.ok(batch.good > 0.9 * n && batch.statuses.length === n);
+  for (let i = 0; i < n; i += 997) {
+    const {ball1, ball2} = cases[i % cases.length];
+    const single = kernel.collide(parameters, ball1, ball2);
+    assert.equal(batch.statuses[i], single.status);
+    velocities(single).forEach((value, j) => assert.ok(Object.is(batch.columns[j * n + i], value)));
+  }
+});
+
+test("fixed steps, and any number of them", () => {
+  const {parameters, ball1, ball2} = cases[0];
+  const plain = carom.kernel({model: "pooltool", steps: 1000}).collide(parameters, ball1, ball2);
+  const fine = carom.kernel({model: "pooltool", steps: 100000}).collide(parameters, ball1, ball2);
+  const exact = carom.kernel({model: "pooltool"}).collide(parameters, ball1, ball2);
+  const [far, near] = [plain, fine].map((c) => errorOf(cases[0], velocities(c), velocities(exact)));
+  assert.ok(near < far && far < 1e-2 && near < 1e-4);
+});
+
+test("what is wrong is named", () => {
+  const {parameters, ball1, ball2} = cases[0], kernel = carom.kernel();
+  assert.throws(() => carom.kernel({model: "billiards"}), /there are mathavan2014, bottom_slip/);
+  assert.throws(() => carom.kernel({maxError: 1e-12}), /there are 0.001, 0.000001, 1e-9/);
+  assert.throws(() => carom.kernel({steps: 0}), /1 to 100000000/);
+  assert.throws(() => carom.kernel({steps: 5, maxError: 1e-3}), /exclude each other/);
+  assert.throws(() => kernel.collide({...parameters, u_b: undefined}, ball1, ball2), /u_b/);
+  assert.throws(() => kernel.collide(parameters, ball1.slice(1), ball2), /9 numbers/);
+  assert.throws(() => kernel.collideBatch(parameters, new Float64Array(17)), /18 numbers/);
+  const still = kernel.collide(parameters, ball1.map((x, i) => (i === 3 ? NaN : x)), ball2);
+  assert.equal(still.status, Status.BAD_INPUT);
+  assert.ok(Number.isNaN(still.ball1[3]) && still.ball2.every((x, i) => x === ball2[i]));
+});
