@@ -83,11 +83,16 @@ class Search:
 
     def _first(self) -> Iterator[Variant]:
         yield from (variant for variant in self.seeds if self.space.has(variant))
-        for axis, codes in self.space.axes():
-            for code in codes:
-                drawn = self.space.drawn(self.random, **{axis.key: code})
-                if drawn is not None:
-                    yield drawn
+        options = {
+            (axis.key, code): None
+            for width in self.space.widths
+            for axis, codes in self.space.axes(width)
+            for code in codes
+        }
+        for key, code in options:
+            drawn = self.space.drawn(self.random, **{key: code})
+            if drawn is not None:
+                yield drawn
 
     def _is_new(self, variant: Variant) -> bool:
         name = name_of(variant)

@@ -76,8 +76,8 @@ class Space:
     widths: tuple[int, ...]
     only: Mapping[str, tuple[str, ...]]
 
-    def axes(self) -> tuple[tuple[Axis, tuple[str, ...]], ...]:
-        """The axes of the family, each with the codes that it may have here."""
+    def axes(self, width: int) -> tuple[tuple[Axis, tuple[str, ...]], ...]:
+        """The axes that kernels of a width have, each with the codes that it may have here."""
         found = []
         for axis in axes_of(self.contest.family):
             codes = self.only.get(axis.key, axis.codes())
@@ -92,15 +92,16 @@ class Space:
 
     def has(self, variant: Variant) -> bool:
         """Is it one of this space: legal, and within `only`?"""
-        inside = variant.width in self.widths and variant.stepper in self.contest.steppers()
-        within = all(variant[axis.key] in codes for axis, codes in self.axes())
-        return inside and within and self.broken(variant) is None
+        if variant.width not in self.widths or variant.stepper not in self.contest.steppers():
+            return False
+        within = all(variant[axis.key] in codes for axis, codes in self.axes(variant.width))
+        return within and self.broken(variant) is None
 
     def everything(self) -> Iterator[Variant]:
         """All legal variants, in the order of the registry."""
-        axes = self.axes()
-        keys = [axis.key for axis, _ in axes]
         for stepper, width in itertools.product(self.contest.steppers(), self.widths):
+            axes = self.axes(width)
+            keys = [axis.key for axis, _ in axes]
             for codes in itertools.product(*(codes for _, codes in axes)):
                 options = tuple(zip(keys, codes, strict=True))
                 variant = self._variant(stepper, width, options)
@@ -114,8 +115,8 @@ class Space:
                 yield replace(variant, stepper=stepper)
         for width in self.widths:
             if width != variant.width:
-                yield replace(variant, width=width)
-        for axis, codes in self.axes():
+                yield in_width(variant, width)
+        for axis, codes in self.axes(variant.width):
             for code in codes:
                 if code != variant[axis.key]:
                     yield variant.with_options(**{axis.key: code})
@@ -126,15 +127,15 @@ class Space:
 
     def drawn(self, random: Random, **fixed: str) -> Variant | None:
         """A legal variant at random, with some options as given; None where none was found."""
-        axes = self.axes()
-        if any(not codes for _, codes in axes):
+        if not all(codes for width in self.widths for _, codes in self.axes(width)):
             return None
         for _ in range(_DRAWS):
+            stepper, width = random.choice(self.contest.steppers()), random.choice(self.widths)
             options = tuple(
-                (axis.key, fixed.get(axis.key) or random.choice(codes)) for axis, codes in axes
+                (axis.key, fixed.get(axis.key) or random.choice(codes))
+                for axis, codes in self.axes(width)
             )
-            stepper = random.choice(self.contest.steppers())
-            variant = self._variant(stepper, random.choice(self.widths), options)
+            variant = self._variant(stepper, width, options)
             if self.broken(variant) is None:
                 return variant
         return None
@@ -144,6 +145,12 @@ class Space:
     ) -> Variant:
         c = self.contest
         return Variant(c.target, c.scene, c.model, stepper, width, options)
+
+
+def in_width(variant: Variant, width: int) -> Variant:
+    """The same options in another number of lanes; those that only one of them has: default."""
+    head = (variant.target, variant.scene, variant.model, variant.stepper)
+    return make_variant(*head, width, **dict(variant.options))
 
 
 def variant_of_subject(subject: Subject) -> Variant:

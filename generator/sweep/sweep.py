@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from random import Random
 
 from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
+from generator.choice.lookup import Goal, default_kernel
 from generator.choice.workbench import Candidate
 from generator.errors import InputError, KernelError
 from generator.sweep.explore import Budget, Exploration, Observer
@@ -16,9 +17,10 @@ from generator.sweep.lab import Lab
 from generator.sweep.ledger import Ledger
 from generator.sweep.record import Final
 from generator.sweep.search import Search
-from generator.sweep.space import Contest, Space, variant_of_subject
+from generator.sweep.space import Contest, Space, in_width, variant_of_subject
 from generator.sweep.station import BASELINE_STEPS
 from generator.targets.target import Target
+from generator.variants.axes import axes_of
 from generator.variants.variant import Variant
 
 FINAL_RESERVE = 60.0  # seconds of the budget kept for a contest's last wave and its final
@@ -41,7 +43,21 @@ class Plan:
     def space(self, contest: Contest) -> Space:
         """What may be tried in a contest."""
         widths = self.widths[contest.call]
-        return Space(contest, self.target, self.compilers, widths, self.only)
+        only = {**held_options(contest, self.target), **self.only}
+        return Space(contest, self.target, self.compilers, widths, only)
+
+
+def held_options(contest: Contest, target: Target) -> dict[str, tuple[str, ...]]:
+    """What is not varied in a contest of batches: options of the loop for a single collision.
+
+    They are those of the kernel that is used before anything was timed, so that a record of a batch
+    does not depend on what was chosen for single calls.
+    """
+    if contest.call == "scalar" or contest.steps is None:
+        return {}
+    first = default_kernel(target, contest.scene, contest.model, Goal(steps=contest.steps))
+    alone = [axis.key for axis in axes_of("euler") if axis.family == "euler"]
+    return {key: (first[key],) for key in alone}
 
 
 @dataclass(frozen=True)
@@ -91,7 +107,7 @@ def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
         assert contest.budget is not None
         known = exact_candidates(target, scene, model, contest.budget, plan.compilers)
     known.sort(key=lambda variant: variant["flags"] != "strict")
-    return [replace(v, width=width) for width in plan.widths[contest.call] for v in known]
+    return [in_width(v, width) for width in plan.widths[contest.call] for v in known]
 
 
 def run_sweep(

@@ -53,7 +53,7 @@ def chosen(final: Final | None) -> Variant:
 
 def test_an_exhaustive_sweep_tries_every_legal_variant_once_and_no_other(tmp_path: Path) -> None:
     legal = {name_of(v) for v in space(SMALLER).everything()}
-    axes, by_hand = space(SMALLER).axes(), 0
+    axes, by_hand = space(SMALLER).axes(1), 0
     for codes in itertools.product(*(codes for _, codes in axes)):
         options = dict(zip((a.key for a, _ in axes), codes, strict=True))
         drawn = next(space(SMALLER).everything()).with_options(**options)
@@ -76,7 +76,7 @@ def test_a_search_tries_legal_variants_only_each_once_and_every_option(tmp_path:
     assert len({name_of(v) for v in variants}) == len(variants) == 100
     assert all(broken_rule(v, ZEN3) is None for v in variants)
     seen = {pair for v in variants for pair in v.options}
-    wanted = {(a.key, code) for a, codes in space({}).axes() for code in codes}
+    wanted = {(a.key, code) for a, codes in space({}).axes(1) for code in codes}
     print(f"{len(wanted)} options, not tried: {sorted(wanted - seen)}")
     assert wanted == seen
 
