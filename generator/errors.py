@@ -14,6 +14,10 @@ class KernelError(Exception):
     """A check or a kernel failed: the command line prints the line and exits with 1."""
 
 
+class EmissionError(KernelError):
+    """A variant that is legal, and yet no text could be made of it."""
+
+
 class KernelTimeout(KernelError):  # noqa: N818
     """A program took longer than it may."""
 

@@ -61,6 +61,11 @@ class Candidate:
         return name_of(self.variant)
 
     @property
+    def is_batch(self) -> bool:
+        """Lanes are filled from a batch; what has one lane is called for one collision."""
+        return self.variant.width > 1
+
+    @property
     def sources(self) -> dict[str, str]:
         return {
             "carom.h": self.source.header,
@@ -218,7 +223,12 @@ class Workbench:
         assert candidate.library is not None
         cases, steps = expected.cases, candidate.variant.stepper.steps
         try:
-            got = self.tool.run_kernel(candidate.library.path, cases, timeout=self.kernel_timeout)
+            got = self.tool.run_kernel(
+                candidate.library.path,
+                cases,
+                batch=candidate.is_batch,
+                timeout=self.kernel_timeout,
+            )
         except KernelError as error:
             broken = Verdict(
                 False, str(error), float("nan"), float("nan"), len(cases), ended=_ended(error)
@@ -263,7 +273,7 @@ class Workbench:
         seed_cases = reference.cases[reference.rows_of("seed_case")]
         seeds = seed_cases if known.unrestricted else None
         kernels = tuple(
-            PlannedKernel(c.name, c.library.path, latency=True)
+            PlannedKernel(c.name, c.library.path, batch=c.is_batch, latency=not c.is_batch)
             for c in _unique([baseline, *alive])
             if c.library is not None
         )

@@ -17,6 +17,7 @@ from distributed.scheduler import KilledWorker
 
 from generator.choice.workbench import Candidate
 from generator.errors import InputError, KernelError
+from generator.sweep.lab import emitted
 from generator.sweep.record import Rejection
 from generator.sweep.station import Rules, Station, TimingJob
 from generator.sweep.worker import (
@@ -71,8 +72,7 @@ class ClusterLab:
         return self.station.rules(steps)
 
     def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
-        for variant in variants:
-            yield from self.station.bench.prepare([variant], self.target)
+        return emitted(self.station, variants, self.target)
 
     def build(
         self, candidates: Sequence[Candidate]

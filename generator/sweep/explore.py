@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from generator.choice.workbench import Candidate
-from generator.errors import KernelError
+from generator.errors import EmissionError, KernelError
 from generator.sweep.figures import errors_of, times_of
 from generator.sweep.lab import Lab
 from generator.sweep.ladder import RUNGS, Entry, by_ratio, promoted
@@ -16,7 +16,7 @@ from generator.sweep.ledger import Ledger, candidate_hash, source_hash
 from generator.sweep.record import Depends, Rejection, Trial
 from generator.sweep.search import Search
 from generator.sweep.space import Contest
-from generator.sweep.station import BLOCK_MS, TimingJob, rejection_of
+from generator.sweep.station import BLOCK_MS, TimingJob, one_line, rejection_of
 from generator.timing.ratios import timing_run
 from generator.variants.names import name_of
 from generator.variants.variant import Variant
@@ -106,8 +106,8 @@ class Exploration:
         for other in self.search.space.steps_from(variant):
             rule = self.search.space.broken(other)
             if rule is not None:
-                self.rejected["constraint"] += 1
-                self.ledger.constraint(self.contest.subject(other), rule.name, rule.reason)
+                why = Rejection(reason="constraint", text=f"{rule.name}: {rule.reason}")
+                self._refuse(other, why)
 
     def tell(self, doing: str) -> None:
         ranked = self.ranked()
@@ -130,7 +130,11 @@ class Exploration:
         new: list[Candidate] = []
         for variant in wave:
             self.tell("emitting")
-            candidate = self._candidate(variant)
+            try:
+                candidate = self._candidate(variant)
+            except EmissionError as error:
+                self._refuse(variant, Rejection(reason="compile", text=one_line(str(error))))
+                continue
             found = self._found(candidate, 0)
             if found is None:
                 new.append(candidate)
@@ -216,6 +220,10 @@ class Exploration:
         )
         self.tried += rung == 0
         self._enter(candidate.variant, trial)
+
+    def _refuse(self, variant: Variant, why: Rejection) -> None:
+        self.rejected[why.reason] += 1
+        self.ledger.refusal(self.contest.subject(variant), why)
 
     def _enter(self, variant: Variant, trial: Trial) -> None:
         entry = self.entries.setdefault(name_of(variant), Entry(variant))

@@ -8,9 +8,11 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, Protocol
 
 from generator.choice.workbench import Candidate
+from generator.errors import EmissionError
 from generator.sweep.record import Rejection
 from generator.sweep.station import Rules, Station, TimingJob
 from generator.targets.target import Target
+from generator.variants.names import name_of
 from generator.variants.variant import Variant
 
 
@@ -29,7 +31,10 @@ class Lab(Protocol):
         """What figures depend on besides the kernel."""
 
     def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
-        """Emitted, one after the other; libraries are made by `build`."""
+        """Emitted, one after the other; libraries are made by `build`.
+
+        Raises EmissionError where a variant cannot be laid out, though no rule says so.
+        """
 
     def build(
         self, candidates: Sequence[Candidate]
@@ -57,8 +62,7 @@ class LocalLab:
         return self.station.rules(steps)
 
     def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
-        for variant in variants:
-            yield from self.station.bench.prepare([variant], self.target)
+        return emitted(self.station, variants, self.target)
 
     def build(
         self, candidates: Sequence[Candidate]
@@ -72,6 +76,17 @@ class LocalLab:
 
     def time(self, job: TimingJob) -> dict[str, Any]:
         return self.station.time(job)
+
+
+def emitted(station: Station, variants: Sequence[Variant], target: Target) -> Iterator[Candidate]:
+    """Candidates out of variants; what is wrong with one is an EmissionError, whatever it is."""
+    for variant in variants:
+        try:
+            [candidate] = station.bench.prepare([variant], target)
+        except Exception as error:  # a bug in laying one out must not end a sweep of thousands
+            what = f"{type(error).__name__}: {error}"
+            raise EmissionError(f"{name_of(variant)}: emission: {what}") from error
+        yield candidate
 
 
 def side_by_side(

@@ -136,12 +136,11 @@ class Ledger:
         made = Trial(**self._head(key), subject=subject, depends=depends, rung=rung, **body)
         return self._kept(made.sealed())
 
-    def constraint(self, subject: Subject, rule: str, text: str) -> None:
-        """Keep, once, that a combination is illegal."""
-        key = digest(["constraint", identity(subject), rule])
+    def refusal(self, subject: Subject, rejection: Rejection) -> None:
+        """Keep, once, why there is not even a text of a variant."""
+        key = digest(["refusal", identity(subject), rejection.model_dump()])
         if key in self._trials:
             return
-        rejection = Rejection(reason="constraint", text=f"{rule}: {text}")
         nothing: dict[str, None] = dict.fromkeys(("depends", "build_seconds", "errors", "times"))
         made = Trial(
             **self._head(key), subject=subject, rung=0, rejection=rejection, **nothing

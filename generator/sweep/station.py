@@ -51,11 +51,6 @@ class TimingJob:
         return self.candidates[0]
 
 
-def is_batch(candidate: Candidate) -> bool:
-    """Lanes are filled from a batch; what has one lane is called for one collision."""
-    return candidate.variant.width > 1
-
-
 @dataclass
 class Station:
     """A workbench with the cases of one scene and model."""
@@ -112,8 +107,8 @@ class Station:
         planned = []
         for candidate in job.candidates:
             assert candidate.library is not None
-            batch = is_batch(candidate)
-            planned.append(PlannedKernel(candidate.name, candidate.library.path, batch=batch))
+            path = candidate.library.path
+            planned.append(PlannedKernel(candidate.name, path, batch=candidate.is_batch))
         plan = TimingPlan(
             self.timing_cases(),
             tuple(planned),

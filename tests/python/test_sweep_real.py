@@ -20,10 +20,11 @@ from test_sweep import COLOUR
 
 import generator.variants.axes as axes_module
 from generator.choice.selection import read_selection
-from generator.choice.store import cache_folder
 from generator.choice.workbench import Candidate, Workbench
 from generator.cli.main import gen
 from generator.emission.kernel_source import emit
+from generator.errors import EmissionError
+from generator.places import cache_folder
 from generator.sweep.lab import LocalLab
 from generator.sweep.ledger import source_hash
 from generator.sweep.record import Final
@@ -69,6 +70,8 @@ class SabotagedLab(LocalLab):
     """Some kernels are made to fail, each in its way."""
 
     def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
+        if any(v["rsqrt"] == "div" and v["flags"] == "strict" for v in variants):
+            raise EmissionError("a bug of the generator")
         for candidate in super().candidates(variants):
             source, bad = candidate.source, BROKEN.get(candidate.variant["rsqrt"])
             if bad is not None and candidate.variant["flags"] == "strict":
@@ -88,17 +91,22 @@ def test_a_kernel_that_crashes_or_hangs_or_errs_is_rejected_and_the_sweep_goes_o
     station.expected(100)
     bench.kernel_timeout = 3.0
     lab = SabotagedLab(station, TARGET)
-    only = {**{key: (code,) for key, code in ONE.items()}, "rsqrt": (*BROKEN, "ahead")}
+    only = {key: (code,) for key, code in ONE.items()}
+    only = {**only, "rsqrt": ("div", *BROKEN, "ahead"), "branch": ("chosen", "nested")}
     asked = replace(plan(CONTEST, only=only, exhaustive=True), target=TARGET)
     with opened(tmp_path / "s.sqlite") as store:
         [outcome], _ = swept(store, lab, asked)  # type: ignore[arg-type]
-        trials = [t for t in store.trials() if t.depends is not None and t.rung == 0]
+        everything = store.trials()
+    chosen = [t for t in everything if t.subject.options["branch"] == "chosen"]
+    trials = [t for t in chosen if t.depends is not None and t.rung == 0]
+    unwritten = [t.rejection for t in everything if t.subject.options["rsqrt"] == "div"]
     reasons = {t.subject.options["rsqrt"]: t.rejection for t in trials}
     for code, rejection in reasons.items():
         print(f"{code}: {rejection.reason + ': ' + rejection.text if rejection else 'timed'}")
     want = {**{code: reason for code, (reason, _) in BROKEN.items()}, "ahead": None}
     assert {code: r.reason if r else None for code, r in reasons.items()} == want
     assert all("\n" not in r.text for r in reasons.values() if r)
+    assert "a bug of the generator" in {r.text for r in unwritten if r and r.reason == "compile"}
     assert outcome.final is not None and ".ahead." in outcome.final.chosen
 
 
