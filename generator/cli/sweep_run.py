@@ -30,6 +30,7 @@ from generator.sweep.station import Station
 from generator.sweep.store import ResultStore, default_store, opened, read_only
 from generator.sweep.sweep import Plan, explorations, require_spaces, run_sweep
 from generator.targets.target import Target
+from generator.variants.lanes import widths_of
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ def _plan(
     only: Mapping[str, tuple[str, ...]],
     lab: Lab,
 ) -> Plan:
-    widths: dict[str, tuple[int, ...]] = {"scalar": (1,), "batch": ()}  # no batch kernels yet
+    widths = {"scalar": (1,), "batch": tuple(w for w in widths_of(target) if w > 1)}
     return Plan(
         target=target,
         contests=tuple(c for c in contests if widths[c.call]),

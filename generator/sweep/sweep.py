@@ -56,7 +56,7 @@ def held_options(contest: Contest, target: Target) -> dict[str, tuple[str, ...]]
     if contest.call == "scalar" or contest.steps is None:
         return {}
     first = default_kernel(target, contest.scene, contest.model, Goal(steps=contest.steps))
-    alone = [axis.key for axis in axes_of("euler") if axis.family == "euler"]
+    alone = [axis.key for axis in axes_of("euler") if axis.family == "euler" and not axis.lanes]
     return {key: (first[key],) for key in alone}
 
 

@@ -30,6 +30,7 @@ from generator.verification.verdict import Verdict
 
 ZEN3 = find_target("zen3")
 FIXED = Contest("zen3", "any", "pooltool", 1000, None, "scalar")
+BATCH = Contest("zen3", "any", "pooltool", 1000, None, "batch")
 EXACT = Contest("zen3", "any", "pooltool", None, 1e-6, "scalar")
 
 Refuse = Callable[[Variant], Rejection | None]
@@ -125,7 +126,7 @@ def plan(*contests: Contest, **changes: Any) -> Plan:
     asked: dict[str, Any] = {
         "target": ZEN3,
         "contests": contests,
-        "widths": {"scalar": (1,)},
+        "widths": {"scalar": (1,), "batch": (2, 4)},
         "only": {},
         "compilers": ("gcc",),
         "seed": 1,

@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from sweep_lab import EXACT, FIXED, ZEN3, FakeLab, landscape, plan, swept
+from sweep_lab import BATCH, EXACT, FIXED, ZEN3, FakeLab, landscape, plan, swept
 
 import generator.variants.axes as axes_module
 from generator.errors import InputError
@@ -20,7 +20,7 @@ from generator.sweep.ladder import KEPT, RUNGS
 from generator.sweep.record import Final, Rejection, Run
 from generator.sweep.space import Space, parse_only, variant_of_subject
 from generator.sweep.store import opened
-from generator.variants.axes import Axis, Choice
+from generator.variants.axes import Axis, Choice, axes_of
 from generator.variants.names import name_of
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Variant
@@ -121,6 +121,25 @@ def test_only_the_better_quarter_of_a_rung_is_timed_for_longer(tmp_path: Path) -
 
 
 # ---- what is chosen --------------------------------------------------------------------------
+
+
+def test_a_contest_of_batches_varies_lanes_and_not_the_loop_of_single_calls(
+    tmp_path: Path,
+) -> None:
+    with opened(tmp_path / "s.sqlite") as store:
+        asked = plan(BATCH, exhaustive=True)
+        [outcome], _ = swept(store, FakeLab(), asked)
+        tried = [variant_of_subject(t.subject) for t in store.trials() if t.rung == 0 and t.depends]
+    axes = axes_of("euler", 4)
+    seen = {axis.key: {v[axis.key] for v in tried} for axis in axes}
+    print({key: sorted(codes) for key, codes in seen.items() if len(codes) > 1})
+    assert {v.width for v in tried} == {2, 4} and len(tried) == len(set(tried)) > 50
+    for axis in axes:
+        alone = axis.family == "euler" and not axis.lanes
+        assert len(seen[axis.key]) == 1 if alone else True
+        assert seen[axis.key] == set(axis.codes()) or not axis.lanes
+    best = min(landscape(v) for v in asked.space(BATCH).everything())
+    assert landscape(chosen(outcome.final)) <= 1.03 * best
 
 
 @pytest.mark.parametrize("seed", [1, 2])
