@@ -41,7 +41,7 @@ class VendorRequest:
     def command(self) -> str:
         """What makes the folder again; the place is the user's own matter."""
         goal = f"--steps {self.goal.steps}" if self.goal.steps is not None else ""
-        goal = goal or f"--max-error {self.goal.budget:g}"
+        goal = goal or f"--max-error {self.goal.budget!r}"
         single = " --single-header" if self.single_header else ""
         return (
             f"./gen vendor --target {','.join(self.targets)} --scene {self.scene} "
@@ -99,10 +99,7 @@ def make_request(
         goal = Goal(budget=goal.budget if goal.budget is not None else known.max_error)
         plan_for(goal.budget)
         known.require_budget(goal.budget)
-    elif not known.equal_masses:
-        raise InputError(
-            f"--steps: scene {scene} has unequal masses, the fixed-step scheme is of equal balls; "
-            "use --max-error"
-        )
+    elif not known.fixed_steps:
+        raise InputError(f"--steps: scene {scene} has no fixed-step scheme; use --max-error")
     model = find_model(model or known.model).name
     return VendorRequest(targets, scene, model, goal, checked_prefix(prefix), single_header)

@@ -68,6 +68,7 @@ def nowhere(folder: Path) -> Places:
         (("--max-error", "nan"), ("--max-error nan",)),
         (("--steps", "10", "--max-error", "1e-3"), ("exclude each other",)),
         (("--steps", "0"), ("--steps",)),
+        (("--steps", "10", "--scene", "arcade"), ("--steps: scene arcade", "--max-error")),
     ],
 )
 def test_bad_requests_are_refused_in_one_line(arguments, parts, tmp_path) -> None:
