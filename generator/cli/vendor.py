@@ -10,6 +10,7 @@ import click
 from generator.errors import InputError
 
 if TYPE_CHECKING:  # the rest is imported when the command runs: --help shall not wait for it
+    from generator.choice.selection import Selected
     from generator.vendoring.kernels import Places
     from generator.vendoring.request import VendorRequest
 
@@ -94,28 +95,31 @@ def _write(request: VendorRequest, out: Path, force: bool, seconds: float) -> in
     from generator.targets.host import read_host
     from generator.vendoring.folder import require_replaceable, staged, write_files
     from generator.vendoring.job import all_files
-    from generator.vendoring.kernels import entry_for
+    from generator.vendoring.kernels import kernels_for
 
     require_replaceable(out, edited_too=force)
     with workbench() as bench:
         host = read_host()
-        records = {}
-        for name in request.targets:
-            record = entry_for(_places(), request, name, bench, host, seconds)
-            records[name] = record
-        files = all_files(request, records, bench.tool)
+        chosen = {
+            name: kernels_for(_places(), request, name, bench, host, seconds)
+            for name in request.targets
+        }
+        files = all_files(request, chosen, bench.tool)
     with staged(out) as folder:
         write_files(folder, files)
-    for name, record in records.items():
-        by = f"by {record.chosen_by} on {record.measured_on}"
-        error = (
-            "not verified here"
-            if record.max_rel_error is None
-            else (f"largest error seen {record.max_rel_error:g} of the relative speed")
-        )
-        click.echo(f"{name}: {record.kernel}, chosen {by}; {error}")
+    for name, kernels in chosen.items():
+        click.echo(f"{name}: {_line(kernels.single)}")
+        if kernels.batch is not None:
+            click.echo(f"{name}, batches: {_line(kernels.batch)}")
     click.echo(f"{len(files)} files written: {out}/")
     return 0
+
+
+def _line(entry: Selected) -> str:
+    error = "not verified here"
+    if entry.max_rel_error is not None:
+        error = f"largest error seen {entry.max_rel_error:g} of the relative speed"
+    return f"{entry.kernel}, chosen by {entry.chosen_by} on {entry.measured_on}; {error}"
 
 
 def _verify(folder: Path) -> int:

@@ -46,15 +46,27 @@ class Feature:
 
 
 @dataclass(frozen=True)
-class Unit:
-    """One kernel of several; `prefix`, `symbol` and `fixed_step` as emission's templates ask."""
+class Functions:
+    """The functions of one kernel, as emission's templates ask for their names."""
 
-    target: str
     prefix: str
     symbol: str
     fixed_step: bool
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The kernels of one target."""
+
+    target: str
+    single: Functions
+    batch: Functions  # the same, or those of a kernel for batches alone
     guard: str  # preprocessor condition of its architecture
     needs: str  # an expression of the features' constants
+
+    @property
+    def kernels(self) -> tuple[Functions, ...]:
+        return (self.single,) if self.single == self.batch else (self.single, self.batch)
 
 
 @dataclass(frozen=True)
@@ -104,9 +116,9 @@ class DispatchContext:
         return any(feature.condition.startswith("widest ") for feature in self.features)
 
 
-def unit_of(target: str) -> str:
-    """A target's name as a part of C names and of files."""
-    return symbol_of(target)
+def unit_of(target: str, batch: bool = False) -> str:
+    """A target's name as a part of C names and of files; `batch`: of its kernel for batches."""
+    return symbol_of(target) + ("_batch" if batch else "")
 
 
 def preferred_order(names: Sequence[str]) -> tuple[str, ...]:
@@ -125,17 +137,23 @@ def is_mixed(names: Sequence[str]) -> bool:
     return len({find_target(name).row.arch for name in names}) > 1
 
 
-def dispatch_context(request: VendorRequest) -> DispatchContext:
-    """Everything that the dispatcher's text shows."""
+def dispatch_context(
+    request: VendorRequest, batches: frozenset[str] = frozenset()
+) -> DispatchContext:
+    """Everything that the dispatcher's text shows. `batches`: targets with a kernel for batches."""
+
+    def functions(name: str, batch: bool) -> Functions:
+        symbol = f"{request.prefix}_{unit_of(name, batch)}"
+        return Functions(request.prefix, symbol, request.fixed_step)
+
     order = preferred_order(request.targets)
     told_apart = {cpu.has for cpu in KNOWN_CPUS}
     used = [f for f in CPUID_BITS if f in told_apart or any(f in _needs(t) for t in order)]
     units = tuple(
         Unit(
             target=name,
-            prefix=request.prefix,
-            symbol=f"{request.prefix}_{unit_of(name)}",
-            fixed_step=request.fixed_step,
+            single=functions(name, False),
+            batch=functions(name, name in batches),
             guard=guard_of(name),
             needs=_mask(feature for feature in used if feature in _needs(name)),
         )

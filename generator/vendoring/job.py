@@ -6,13 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.choice.selection import Selected
 from generator.errors import InputError
 from generator.scenes.scene import find_scene
 from generator.timing.bench_tool import BenchTool
 from generator.vendoring.folder import HandChange, hand_changes
 from generator.vendoring.golden import golden_rows
-from generator.vendoring.kernels import Places, stored_entry
+from generator.vendoring.kernels import Places, TargetKernels, stored_kernels
 from generator.vendoring.manifest import (
     FILE,
     Manifest,
@@ -38,21 +37,26 @@ class Comparison:
 
 
 def all_files(
-    request: VendorRequest, records: Mapping[str, Selected], tool: BenchTool
+    request: VendorRequest, chosen: Mapping[str, TargetKernels], tool: BenchTool
 ) -> dict[str, str]:
     """Names and texts of all files, the manifest last."""
     rows = golden_rows(tool, find_scene(request.scene), request.model, request.goal)
-    files = package_files(request, records, rows)
-    kernels = {
-        target: VendoredKernel(
-            target=target,
-            file=f"{request.prefix}.h" if request.single_header else unit_file(request, target),
-            record=records[target],
-        )
-        for target in request.targets
-    }
+    files = package_files(request, chosen, rows)
+    kernels = {target: _record(request, target, chosen[target]) for target in request.targets}
     manifest = make_manifest(request, kernels, len(rows), files)
     return {**files, FILE: manifest.text()}
+
+
+def _record(request: VendorRequest, target: str, chosen: TargetKernels) -> VendoredKernel:
+    header = f"{request.prefix}.h" if request.single_header else None
+    batch_file = header or unit_file(request, target, batch=True)
+    return VendoredKernel(
+        target=target,
+        file=header or unit_file(request, target),
+        record=chosen.single,
+        batch_file=None if chosen.batch is None else batch_file,
+        batch=chosen.batch,
+    )
 
 
 def compare(folder: Path, places: Places, tool: BenchTool) -> Comparison:
@@ -65,7 +69,7 @@ def compare(folder: Path, places: Places, tool: BenchTool) -> Comparison:
     by_hand = hand_changes(folder, manifest)
     try:
         request = manifest.request()
-        files = all_files(request, manifest.records(), tool)
+        files = all_files(request, manifest.chosen(), tool)
         reasons = [*_other_choices(request, manifest, places), *_other_files(files, manifest)]
     except (InputError, ValueError, KeyError) as error:
         reasons = [f"cannot be made any more: {error}"]
@@ -75,11 +79,13 @@ def compare(folder: Path, places: Places, tool: BenchTool) -> Comparison:
 def _other_choices(request: VendorRequest, manifest: Manifest, places: Places) -> list[str]:
     """Targets for which another choice is stored by now."""
     lines = []
-    for target, record in manifest.records().items():
-        stored = stored_entry(places, request, target)
-        if stored is None or stored == record:
+    for target, chosen in manifest.chosen().items():
+        stored = stored_kernels(places, request, target)
+        if stored is None or stored == chosen:
             continue
-        what = stored.kernel if stored.kernel != record.kernel else "other figures"
+        names = {k.kernel for k in (stored.single, stored.batch) if k is not None}
+        old = {k.kernel for k in (chosen.single, chosen.batch) if k is not None}
+        what = ", ".join(sorted(names - old)) or "the same with other figures, or no batch kernel"
         lines.append(f"for {target} another choice is stored: {what}")
     return lines
 

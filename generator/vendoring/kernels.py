@@ -38,40 +38,61 @@ class Places:
         return tuple(root / name / scene for root in roots for name in (target, "native"))
 
 
-def stored_entry(places: Places, request: VendorRequest, target: str) -> Selected | None:
-    """The stored choice for a target and the request's goal, or None."""
-    return _find(places, request, target, request.goal)
+@dataclass(frozen=True)
+class TargetKernels:
+    """What was chosen for one target: for single calls, and for batches where that is another."""
+
+    single: Selected
+    batch: Selected | None = None
 
 
-def _find(places: Places, request: VendorRequest, target: str, goal: Goal) -> Selected | None:
+def stored_kernels(places: Places, request: VendorRequest, target: str) -> TargetKernels | None:
+    """The stored choices for a target and the request's goal, or None."""
+    found = _find(places, request, target, request.goal)
+    single = next((entry for entry in found if entry.width == 1), None)
+    if single is None:
+        return None
+    wide = [entry for entry in found if entry.width > 1]
+    return TargetKernels(single, min(wide, key=_batch_rank, default=None))
+
+
+def _batch_rank(entry: Selected) -> tuple[float, int]:
+    """The fastest of several widths; the widest where nothing was timed."""
+    ratio = float("inf") if entry.ratio_to_baseline is None else entry.ratio_to_baseline
+    return ratio, -entry.width
+
+
+def _find(places: Places, request: VendorRequest, target: str, goal: Goal) -> list[Selected]:
+    """The entries for a goal in the first folder that has any for single calls."""
     for folder in places.folders(target, request.scene):
         selection = checked_selection(folder)
         if selection is None or selection.resolved != target:
             continue
-        found = [e for e in selection.kernels if e.model == request.model and e.width == 1]
-        for entry in found:
-            if goal.budget is not None and entry.budget == goal.budget:
-                return entry
-            if goal.steps is not None and entry.steps == goal.steps:
-                return entry
-    return None
+        found = [
+            entry
+            for entry in selection.kernels
+            if (entry.model, entry.steps, entry.budget) == (request.model, goal.steps, goal.budget)
+        ]
+        if any(entry.width == 1 for entry in found):
+            return found
+    return []
 
 
-def entry_for(
+def kernels_for(
     places: Places,
     request: VendorRequest,
     target: str,
     bench: Workbench,
     host: Host,
     seconds: float,
-) -> Selected:
-    """The stored choice, else one made by the main job's rules and stored.
+) -> TargetKernels:
+    """The stored choices, else one made by the main job's rules and stored.
 
     Raises KernelError where no candidate passes verification.
     """
-    entry = stored_entry(places, request, target)
-    if entry is not None:
-        return entry
+    stored = stored_kernels(places, request, target)
+    if stored is not None:
+        return stored
     row = find_target(target)
     if request.goal.steps is not None:
         entry = _with_steps(places, request, row, bench, host, seconds)
@@ -79,7 +100,7 @@ def entry_for(
         assert request.goal.budget is not None
         entry = _chosen(request, row, bench, host, seconds)
     _store(places, request, target, entry)
-    return entry
+    return TargetKernels(entry)
 
 
 def _chosen(
@@ -101,7 +122,8 @@ def _with_steps(
 ) -> Selected:
     """The loop that is best at N = 1000 is best at any N; only its error is another."""
     steps = request.goal.steps
-    base = _find(places, request, target.name, Goal(steps=1000))
+    found = _find(places, request, target.name, Goal(steps=1000))
+    base = next((entry for entry in found if entry.width == 1), None)
     if base is None:
         base = _chosen(request, target, bench, host, seconds)
         _store(places, request, target.name, base)

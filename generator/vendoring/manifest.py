@@ -17,6 +17,7 @@ from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED
 from generator.emission.banner import LICENCE
 from generator.errors import InputError
 from generator.scenes.scene import find_scene
+from generator.vendoring.kernels import TargetKernels
 from generator.vendoring.request import VendorRequest, make_request
 
 FILE = "manifest.json"
@@ -48,11 +49,16 @@ class ErrorBound(_Strict):
 
 
 class VendoredKernel(_Strict):
-    """The kernel of one target with the record of its choice and timing."""
+    """The kernel of one target with the record of its choice and timing.
+
+    `batch`: that of the kernel which batches go through, where it is another.
+    """
 
     target: str
     file: str
     record: Selected
+    batch_file: str | None
+    batch: Selected | None
 
 
 class Manifest(_Strict):
@@ -75,8 +81,9 @@ class Manifest(_Strict):
         goal = Goal(o.steps, o.max_error)
         return make_request(o.targets, o.scene, o.model, goal, o.prefix, o.single_header)
 
-    def records(self) -> dict[str, Selected]:
-        return {kernel.target: kernel.record for kernel in self.kernels}
+    def chosen(self) -> dict[str, TargetKernels]:
+        """The kernels by target."""
+        return {k.target: TargetKernels(k.record, k.batch) for k in self.kernels}
 
     def text(self) -> str:
         return json.dumps(self.model_dump(mode="json"), indent=2) + "\n"

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from generator import __version__
-from generator.choice.selection import Selected
 from generator.emission.banner import banner, source_hash
 from generator.emission.environment import environment
 from generator.emission.formatting import format_source
@@ -18,6 +17,7 @@ from generator.toolchain.flags import STRICT
 from generator.variants.names import variant_of
 from generator.vendoring.dispatch import dispatch_context, guard_of, is_mixed, unit_of
 from generator.vendoring.golden import GoldenRow
+from generator.vendoring.kernels import TargetKernels
 from generator.vendoring.request import VendorRequest
 
 _MACRO = re.compile(r"^#define (\w+)", re.MULTILINE)
@@ -31,6 +31,7 @@ class PackageContext:
     scene: Scene
     rows: tuple[GoldenRow, ...]
     sources: tuple[str, ...]
+    dispatched: bool
     header: str = ""  # for the single header: the text of the header
     unit_texts: tuple[str, ...] = ()  # and of what is compiled
 
@@ -54,10 +55,6 @@ class PackageContext:
     @property
     def targets(self) -> tuple[str, ...]:
         return self.request.targets
-
-    @property
-    def dispatched(self) -> bool:
-        return self.request.dispatched
 
     @property
     def fixed_step(self) -> bool:
@@ -124,30 +121,29 @@ def selftest_name(request: VendorRequest) -> str:
     return f"{request.prefix}_selftest.{'cpp' if request.single_header else 'c'}"
 
 
-def unit_file(request: VendorRequest, target: str) -> str:
-    return f"{request.prefix}_{unit_of(target)}.cpp"
+def unit_file(request: VendorRequest, target: str, batch: bool = False) -> str:
+    return f"{request.prefix}_{unit_of(target, batch)}.cpp"
 
 
 def package_files(
-    request: VendorRequest, kernels: Mapping[str, Selected], rows: tuple[GoldenRow, ...]
+    request: VendorRequest, chosen: Mapping[str, TargetKernels], rows: tuple[GoldenRow, ...]
 ) -> dict[str, str]:
     """Names and texts; the same request, kernels and sources give the same bytes.
 
-    `kernels`: the chosen kernel of each target. Raises ValueError or InputError where a kernel
-    cannot be made any more.
+    `chosen`: the kernels of each target. Raises ValueError or InputError where a kernel cannot be
+    made any more.
     """
-    units = {
-        unit_file(request, target): _unit(request, target, kernels[target].kernel)
-        for target in request.targets
-    }
-    if request.dispatched:
+    batches = frozenset(t for t in request.targets if chosen[t].batch is not None)
+    dispatched = len(request.targets) > 1 or bool(batches)
+    units = _units(request, chosen, dispatched)
+    if dispatched:
         units[f"{request.prefix}_dispatch.cpp"] = _page(
-            request, "dispatch.cpp", "//", "a.cpp", d=dispatch_context(request)
+            request, "dispatch.cpp", "//", "a.cpp", d=dispatch_context(request, batches)
         )
-    use = HeaderUse(fixed_step=request.fixed_step, dispatched=request.dispatched)
+    use = HeaderUse(fixed_step=request.fixed_step, dispatched=dispatched)
     scene = find_scene(request.scene)
     header = emit_header(scene, request.prefix, request.command, use)
-    context = PackageContext(request, scene, rows, tuple(units))
+    context = PackageContext(request, scene, rows, tuple(units), dispatched)
     files = {
         "LICENSE": environment().get_template("vendor/LICENSE.j2").render(),
         "README.md": _page(request, "README.md", "", v=context),
@@ -165,15 +161,33 @@ def package_files(
     return dict(sorted(files.items()))
 
 
-def _unit(request: VendorRequest, target: str, kernel: str) -> str:
+def _units(
+    request: VendorRequest, chosen: Mapping[str, TargetKernels], dispatched: bool
+) -> dict[str, str]:
+    """Names and texts of the kernels: one for each target, and one for its batches."""
+    units = {}
+    for target in request.targets:
+        kernels = {False: chosen[target].single, True: chosen[target].batch}
+        for batch, entry in kernels.items():
+            if entry is not None:
+                unit = unit_of(target, batch)
+                text = _unit(request, unit, entry.kernel, dispatched)
+                units[unit_file(request, target, batch)] = _guarded(request, target, text)
+    return units
+
+
+def _unit(request: VendorRequest, unit: str, kernel: str, dispatched: bool) -> str:
     """One translation unit: alone, or one of several behind the dispatcher."""
-    unit = unit_of(target)
     naming = Naming(
         prefix=request.prefix,
-        unit=unit if request.dispatched else "",
+        unit=unit if dispatched else "",
         enclosing=f"{request.prefix}_{unit}",
     )
-    text = emit(variant_of(kernel), naming, request.command).source
+    return emit(variant_of(kernel), naming, request.command).source
+
+
+def _guarded(request: VendorRequest, target: str, text: str) -> str:
+    """Where architectures are mixed, each compiles its own units."""
     if not is_mixed(request.targets):
         return text
     return f"#if {guard_of(target)}  // else this file is empty\n{text}#endif\n"
@@ -189,9 +203,7 @@ def _single(
         assert own in text
         macros = dict.fromkeys(_MACRO.findall(text))
         texts.append(text.replace(own, "") + "".join(f"#undef {name}\n" for name in macros))
-    whole = PackageContext(
-        request, context.scene, context.rows, (), header=header, unit_texts=tuple(texts)
-    )
+    whole = replace(context, sources=(), header=header, unit_texts=tuple(texts))
     return _page(request, "single.h", "/*", v=whole)
 
 

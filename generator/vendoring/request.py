@@ -49,10 +49,6 @@ class VendorRequest:
         )
 
     @property
-    def dispatched(self) -> bool:
-        return len(self.targets) > 1
-
-    @property
     def fixed_step(self) -> bool:
         return self.goal.steps is not None
 

@@ -76,12 +76,33 @@ def test_builds_alone_as_c_and_cpp_and_passes_its_own_test(pair, level, folder, 
         assert "2 kernels run, 0 failures" in told
 
 
+@pytest.mark.parametrize("targets", [TARGETS, "x86-64-v2"])
+def test_batches_go_through_the_kernel_that_was_chosen_for_them(targets, tmp_path) -> None:
+    """A unit for single calls and one in lanes for each target; the self-test asks both."""
+    made = vendored(tmp_path / "made", request_for(targets, Goal(steps=1000)), lanes=True)
+    units = sorted(p.name for p in made.glob("*.cpp"))
+    assert len(units) == 2 * len(targets.split(",")) + 1
+    objects = compiled(made, tmp_path / "objects", PAIRS[0][0], "-O1")
+    table = (made / "carom_dispatch.cpp").read_text("utf-8").split("kUnits[] = {")[1]
+    for target in targets.split(","):
+        symbol = f"carom_{target.replace('-', '_')}"
+        assert f"{symbol}_collide," in table and f"{symbol}_batch_collide_batch," in table
+        assert f"{symbol}_collide_batch," not in table
+    test = tmp_path / "selftest"
+    ran([PAIRS[0][1], "-std=c99", made / "carom_selftest.c", *objects, "-lm", "-o", test])
+    told = ran([test]).stdout
+    print(told)
+    assert f"{len(targets.split(','))} kernels run, 0 failures" in told
+
+
 @pytest.mark.skipif(shutil.which("nm") is None, reason="no nm")
 @pytest.mark.parametrize("pair", PAIRS, ids=[cxx for cxx, _ in PAIRS])
-@pytest.mark.parametrize("goal", [EXACT, Goal(steps=1000)], ids=["exact", "steps"])
-def test_units_share_no_code_and_hold_no_state(pair, goal, tmp_path) -> None:
+@pytest.mark.parametrize(
+    ("goal", "lanes"), [(EXACT, False), (Goal(steps=1000), True)], ids=["exact", "steps in lanes"]
+)
+def test_units_share_no_code_and_hold_no_state(pair, goal, lanes, tmp_path) -> None:
     """Not optimised, where every inline function would be a weak symbol that linkers may merge."""
-    made = vendored(tmp_path / "made", request_for(TARGETS, goal))
+    made = vendored(tmp_path / "made", request_for(TARGETS, goal), lanes)
     state = []
     for path in compiled(made, tmp_path / "objects", pair[0], "-O0"):
         for line in ran(["nm", "-C", path]).stdout.splitlines():

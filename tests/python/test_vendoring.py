@@ -28,7 +28,7 @@ from generator.vendoring.dispatch import CPUID_BITS, dispatch_context, preferred
 from generator.vendoring.folder import require_replaceable, staged, write_files
 from generator.vendoring.golden import golden_rows
 from generator.vendoring.job import compare
-from generator.vendoring.kernels import Places, stored_entry
+from generator.vendoring.kernels import Places, TargetKernels, stored_kernels
 from generator.vendoring.manifest import FILE, read_manifest
 from generator.verification.errors import errors_of
 from generator.verification.reference import load_reference
@@ -259,10 +259,28 @@ def test_verify_says_out_of_date_where_another_kernel_is_chosen_by_now(tmp_path)
         entry = record.model_copy(update={"ratio_to_baseline": ratio})
         chosen = Selection(target="zen3", resolved="zen3", scene="any", kernels=[entry])
         write_atomically(places.cache / "zen3" / "any" / SELECTION, chosen.text())
-        assert stored_entry(places, request, "zen3") == entry
+        assert stored_kernels(places, request, "zen3") == TargetKernels(entry)
         found = compare(made, places, bench_tool())
         print(found.outdated)
         assert found.by_hand == () and len(found.outdated) == reasons
+
+
+def test_a_stored_choice_for_batches_is_vendored_beside_that_for_single_calls(tmp_path) -> None:
+    """Of several widths the fastest; a folder that has none of them is out of date."""
+    request = request_for("zen3", STEPS)
+    single = record_for(request, "zen3")
+    wide = [
+        record_for(request, "zen3", width).model_copy(update={"ratio_to_baseline": ratio})
+        for width, ratio in ((2, 0.2), (4, 0.1))
+    ]
+    places = nowhere(tmp_path)
+    stored = Selection(target="zen3", resolved="zen3", scene="any", kernels=[single, *wide])
+    write_atomically(places.cache / "zen3" / "any" / SELECTION, stored.text())
+    assert stored_kernels(places, request, "zen3") == TargetKernels(single, wide[1])
+    made = vendored(tmp_path / "carom", request)
+    found = compare(made, places, bench_tool())
+    print(found.outdated)
+    assert wide[1].kernel in found.outdated[0]
 
 
 def test_verify_refuses_what_is_no_vendored_folder(tmp_path) -> None:

@@ -14,9 +14,11 @@ from generator.choice.folder import file_of
 from generator.choice.lookup import Goal, default_kernel
 from generator.choice.selection import Selected
 from generator.targets.target import find_target
+from generator.variants.lanes import widths_of
 from generator.variants.names import name_of
 from generator.vendoring.folder import write_files
 from generator.vendoring.job import all_files
+from generator.vendoring.kernels import TargetKernels
 from generator.vendoring.request import VendorRequest, make_request
 
 EXACT = Goal(budget=1e-6)
@@ -34,11 +36,11 @@ def request_for(targets: str, goal: Goal = EXACT, **options: object) -> VendorRe
     return make_request(tuple(targets.split(",")), goal=goal, **given)  # type: ignore[arg-type]
 
 
-def record_for(request: VendorRequest, target: str) -> Selected:
+def record_for(request: VendorRequest, target: str, width: int = 1) -> Selected:
     """A kernel as if it had been chosen: what stands in a selection, without its hours."""
     goal = request.goal
     variant = default_kernel(find_target(target), request.scene, request.model, goal)
-    name = name_of(variant)
+    name = name_of(variant.in_lanes(width))
     return Selected(
         kernel=name,
         file=file_of(name),
@@ -46,7 +48,7 @@ def record_for(request: VendorRequest, target: str) -> Selected:
         stepper=variant.stepper.name,
         steps=goal.steps,
         budget=goal.budget,
-        width=1,
+        width=width,
         chosen_by="default",
         measured_on="none",
         ratio_to_baseline=None,
@@ -58,16 +60,21 @@ def record_for(request: VendorRequest, target: str) -> Selected:
 
 
 @cache
-def files_for(request: VendorRequest) -> dict[str, str]:
-    """All files of a request; made once a process."""
-    records = {target: record_for(request, target) for target in request.targets}
-    return all_files(request, records, bench_tool())
+def files_for(request: VendorRequest, lanes: bool = False) -> dict[str, str]:
+    """All files of a request; made once a process. `lanes`: with a kernel for batches each."""
+    chosen = {}
+    for target in request.targets:
+        batch = None
+        if lanes:
+            batch = record_for(request, target, max(widths_of(find_target(target))))
+        chosen[target] = TargetKernels(record_for(request, target), batch)
+    return all_files(request, chosen, bench_tool())
 
 
-def vendored(folder: Path, request: VendorRequest) -> Path:
+def vendored(folder: Path, request: VendorRequest, lanes: bool = False) -> Path:
     """A vendored folder in a new place."""
     folder.mkdir(parents=True)
-    write_files(folder, files_for(request))
+    write_files(folder, files_for(request, lanes))
     return folder
 
 
