@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from generator.verification.errors import Array
 
 _HEADER = re.compile(r"^0x[0-9a-f]+$")
 _FRAME = re.compile(r"(?:.*/)?kernel\.cpp:(\d+)")
+_BACK = 64  # bytes that an instruction without a line may be away from one that has one
 _FLAGS = ("-std=c++17", "-O2")
 
 
@@ -60,8 +61,7 @@ def sample(
     by_line = sections_of(sources["kernel.cpp"])
     totals = dict.fromkeys(SECTIONS, 0)
     unknown = 0
-    for offset, frames in _frames(kernel.path, at).items():
-        section = section_of(frames, by_line)
+    for offset, section in _sections_at(kernel.path, list(at), by_line).items():
         if section is None:
             unknown += at[offset]
         else:
@@ -76,9 +76,27 @@ def sample(
     )
 
 
-def _frames(library: Path, at: Mapping[int, int]) -> dict[int, list[int]]:
+def _sections_at(
+    library: Path, offsets: Sequence[int], by_line: Sequence[str | None]
+) -> dict[int, str | None]:
+    """The section of each instruction; of one without a line, that of the nearest one before it.
+
+    Clang gives no line to instructions that it made out of several statements.
+    """
+    frames = _frames(library, offsets)
+    found = {offset: section_of(frames.get(offset, ()), by_line) for offset in offsets}
+    lost = [offset for offset, section in found.items() if section is None]
+    nearby = sorted({offset - back for offset in lost for back in range(1, _BACK + 1)})
+    around = _frames(library, nearby) if nearby else {}
+    for offset in lost:
+        before = (section_of(around.get(offset - n, ()), by_line) for n in range(1, _BACK + 1))
+        found[offset] = next((section for section in before if section is not None), None)
+    return found
+
+
+def _frames(library: Path, offsets: Iterable[int]) -> dict[int, list[int]]:
     """Lines of kernel.cpp that each address was inlined through, innermost first."""
-    addresses = "".join(f"{offset:#x}\n" for offset in at)
+    addresses = "".join(f"{offset:#x}\n" for offset in offsets if offset > 0)
     done = run(["addr2line", "-a", "-i", "-e", str(library)], 60, text=addresses)
     if done.code != 0:
         raise KernelError(f"addr2line: {done.first_error}")

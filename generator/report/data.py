@@ -192,6 +192,7 @@ class Sections:
     role: str
     shares: dict[str, float]
     ns: dict[str, float]  # shares of the kernel's time
+    unknown: float  # share of the samples in code that no line stands for
     samples: int
 
 

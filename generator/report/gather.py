@@ -243,6 +243,7 @@ def _sections(kernel: KernelFigures) -> Sections:
         kernel.role,
         shares,
         {name: share * ns for name, share in shares.items()},
+        kernel.sections.unknown,
         kernel.sections.samples,
     )
 

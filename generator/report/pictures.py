@@ -104,16 +104,13 @@ def _growth_plots(report: Report) -> list[Plot]:
 def _section_plots(report: Report) -> list[Rows]:
     if not report.sections:
         return []
-    rows = [
-        (
-            s.role,
-            [
-                (s.shares[name], f"{s.role}, {name}: {100 * s.shares[name]:.1f} %")
-                for name in SECTIONS
-            ],
-        )
-        for s in report.sections
-    ]
-    legend = [LegendEntry("bar", n, name) for n, name in enumerate(SECTIONS)]
+    rows = []
+    for s in report.sections:
+        shares = {**s.shares, "no line": s.unknown}
+        named = [
+            (shares[n], f"{s.role}, {n}: {100 * shares[n]:.1f} %") for n in (*SECTIONS, "no line")
+        ]
+        rows.append((s.role, named))
+    legend = [LegendEntry("bar", n, name) for n, name in enumerate((*SECTIONS, "no line"))]
     label = "share of the samples of the program counter, %"
     return [stacked_rows("sections", "Where the time goes", label, rows, legend)]
