@@ -9,6 +9,8 @@ from generator.report.plots import LegendEntry, Plot, Point, nanoseconds, scatte
 from generator.report.row_plots import Rows, ratio_rows, stacked_rows
 from generator.variants.axes import axis
 
+FEWEST_PAIRS = 6  # with fewer, no interval of order statistics holds the median in 95 %
+
 
 def plots_of(report: Report) -> dict[str, tuple[Plot | Rows, ...]]:
     """Plots by the section of the page that they stand in."""
@@ -29,6 +31,8 @@ def _effect_plots(report: Report) -> list[Rows]:
         for effect in own:
             low, high = effect.ratio_ci
             sure = 0 if high < 1 else 5 if low > 1 else 7
+            if effect.pairs < FEWEST_PAIRS:
+                sure = 7
             label = f"{effect.axis}: {effect.code}, not {effect.other}"
             text = f"{effect.text}\n{effect.ratio:.4g} ({low:.4g} to {high:.4g}), {effect.pairs}"
             rows.append((label, effect.ratio, (low, high), sure, f"{text} pairs"))
@@ -38,7 +42,7 @@ def _effect_plots(report: Report) -> list[Rows]:
             legend = [
                 LegendEntry("bar", 0, "faster"),
                 LegendEntry("bar", 5, "slower"),
-                LegendEntry("bar", 7, "cannot be told"),
+                LegendEntry("bar", 7, f"cannot be told, or fewer than {FEWEST_PAIRS} pairs"),
                 LegendEntry("line", None, "interval"),
             ]
             found.append(ratio_rows(f"effects-{family}", title, label, rows, legend))

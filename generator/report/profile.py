@@ -22,6 +22,7 @@ from generator.targets.target import Target, find_target, targets
 from generator.toolchain.build import build_library
 from generator.toolchain.compilers import Compiler
 from generator.toolchain.flags import compile_flags
+from generator.toolchain.loops import marked_loops
 from generator.toolchain.mca import analyse, assembly_of, require_mca
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Variant
@@ -207,7 +208,15 @@ def _loop_figures(bench: Workbench, variant: Variant, target: Target) -> dict[st
 
     def make() -> dict[str, Any]:
         text = assembly_of(sources, (), compiler, flags, source.source_name)
+        paths = [path for loop in marked_loops(text, "loop") for path in loop.paths]
+        if all(any(line.startswith("call") for line in path.lines) for path in paths):
+            raise KernelError(
+                f"{compiler.code} made the step a function of its own, which the loop calls and "
+                "llvm-mca does not follow"
+            )
         return asdict(analyse(text, target))
 
     tools = (compiler.version, flags, require_mca().version, target.row.mca_cpu)
-    return bench.store.kept("llvm-mca loops", key_of(sorted(sources.items()), tools), make)
+    return bench.store.kept(
+        "llvm-mca loops", key_of(sorted(sources.items()), tools, "no calls"), make
+    )
