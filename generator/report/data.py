@@ -207,6 +207,7 @@ class ModelRow:
     ipc: float | None
     bottleneck: str
     pressure: dict[str, float]  # cycles that each of the busiest units is busy
+    collision: float | None  # cycles of a mean collision, replayed
     note: str
 
 

@@ -260,6 +260,7 @@ def _modelled(measured: Measured | None) -> list[ModelRow]:
             ipc=m.ipc,
             bottleneck=m.bottleneck,
             pressure=dict(m.pressure),
+            collision=m.collision,
             note=m.note,
         )
         for k in _kernels(measured)

@@ -18,13 +18,15 @@ from generator.choice.workbench import (
 from generator.errors import KernelError
 from generator.report.accuracy import accuracy_of, kinds_of
 from generator.report.measured import KernelFigures, KindFigures, Measured, sources_hash
-from generator.report.profile import modelled, profile
+from generator.report.modelled import modelled
+from generator.report.profile import profile
 from generator.report.subjects import BASELINE, STEPS, Called, Subject
 from generator.report.times import Study, growth_of, time_all, time_calls, time_kinds
 from generator.scenes.scene import find_scene
 from generator.targets.host import Host
 from generator.targets.target import Target
 from generator.timing.ratios import control_band
+from generator.verification.errors import Array
 from generator.verification.scene_cases import cases_for_scene
 
 SAMPLE_SECONDS = 1.5
@@ -75,7 +77,7 @@ def measure(
         rounds=run.rounds,
         timing_cases=TIMING_CASES,
         verified_cases=len(expected.cases),
-        kernels=tuple(_figures(bench, study, expected, kinds) for study in studies),
+        kernels=tuple(_figures(bench, study, expected, kinds, host, timing) for study in studies),
         growth=tuple(growth_of(bench, studies, target, timing, expected, seconds)),
         calls=tuple(time_calls(bench, called, target, timing, expected, seconds)),
     )
@@ -96,7 +98,12 @@ def _verified(
 
 
 def _figures(
-    bench: Workbench, study: Study, expected: Expected, kinds: dict[str, dict[str, float]]
+    bench: Workbench,
+    study: Study,
+    expected: Expected,
+    kinds: dict[str, dict[str, float]],
+    host: Host,
+    timing: Array,
 ) -> KernelFigures:
     candidate, found = study.candidate, study.profile
     missing = dict(found.missing) if found else {}
@@ -117,7 +124,7 @@ def _figures(
         counts=found.counts if found else None,
         sections=found.sections if found else None,
         misses=found.misses if found else (),
-        modelled=modelled(bench, study.subject.variant) if found else (),
+        modelled=modelled(bench, study.subject.variant, host, timing) if found else (),
         missing=missing,
     )
 

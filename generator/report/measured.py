@@ -87,7 +87,7 @@ class SectionShares(_Part):
 
 
 class Modelled(_Part):
-    """llvm-mca's figures for one iteration of the loop on a target."""
+    """llvm-mca's figures on a target: of one iteration of the loop, and of a whole collision."""
 
     target: str
     cpu: str
@@ -97,6 +97,7 @@ class Modelled(_Part):
     ipc: float | None
     bottleneck: str
     pressure: tuple[tuple[str, float], ...]  # cycles that the busiest units are busy
+    collision: float | None  # cycles of a mean collision, replayed as it ran here
     note: str  # why there is no figure, or what was taken
 
 

@@ -1,35 +1,29 @@
-"""One kernel under the tools of `profiling` and llvm-mca; what a tool cannot do is said."""
+"""One kernel under the tools of `profiling`; what a tool cannot do is said."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from generator.choice.store import key_of
 from generator.choice.workbench import Candidate, Workbench
 from generator.emission.kernel_source import emit
-from generator.errors import InputError, KernelError
+from generator.errors import KernelError
 from generator.profiling.counting import KINDS, Counted, count_operations
 from generator.profiling.misses import simulate_misses
 from generator.profiling.sampling import Sampled, sample
-from generator.report.measured import Counts, MissFigures, Modelled, SectionShares
+from generator.report.measured import Counts, MissFigures, SectionShares
 from generator.targets.host import Host
-from generator.targets.target import Target, find_target, targets
+from generator.targets.target import Target, find_target
 from generator.toolchain.build import build_library
 from generator.toolchain.compilers import Compiler
 from generator.toolchain.flags import compile_flags
-from generator.toolchain.loops import marked_loops
-from generator.toolchain.mca import analyse, assembly_of, require_mca
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Variant
 from generator.verification.errors import Array
 
 SIMULATED = ("x86-64-v3", "x86-64-v2")  # what valgrind can run, the first that it does run
-_UNITS = 6  # of a CPU, the busiest ones
 Made = TypeVar("Made")
 
 
@@ -163,60 +157,3 @@ def _built(bench: Workbench, compiler: Compiler, variant: Variant, target: Targe
     files = {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
     flags = compile_flags(variant, compiler, target)
     return build_library(files, (), compiler, flags, bench.cache / "kernels").path
-
-
-def modelled(bench: Workbench, variant: Variant) -> tuple[Modelled, ...]:
-    """llvm-mca's figures for the loop of a variant on every target, side by side."""
-
-    def one(target: Target) -> Modelled:
-        return _modelled(bench, variant, target)
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return tuple(pool.map(one, targets().values()))
-
-
-def _modelled(bench: Workbench, variant: Variant, target: Target) -> Modelled:
-    own = replace(variant, target=target.name)
-    if not target.has("fma"):
-        own = own.with_options(fma="nofma")
-    nothing = {"target": target.name, "cpu": target.row.mca_cpu, "bottleneck": "", "pressure": ()}
-    nothing |= dict.fromkeys(("cycles", "bound", "uops", "ipc"))
-    if (rule := broken_rule(own, target)) is not None:
-        return Modelled(**nothing, note=rule.reason)
-    try:
-        found = _loop_figures(bench, own, target)
-    except (KernelError, InputError, ValueError) as error:
-        return Modelled(**nothing, note=str(error))
-    return Modelled(
-        target=target.name,
-        cpu=found["cpu"],
-        cycles=found["cycles_per_iteration"],
-        bound=found["throughput_bound"],
-        uops=found["uops"],
-        ipc=found["ipc"],
-        bottleneck=found["bottleneck"],
-        pressure=tuple((name, busy) for name, busy in found["pressure"][:_UNITS]),
-        note=found["note"],
-    )
-
-
-def _loop_figures(bench: Workbench, variant: Variant, target: Target) -> dict[str, Any]:
-    """An McaReport as plain data, from the store or made now."""
-    source, compiler = emit(variant), bench.compilers[variant["compiler"]]
-    flags = compile_flags(variant, compiler, target)
-    sources = {"carom.h": source.header, "kernel.cpp": source.source}
-
-    def make() -> dict[str, Any]:
-        text = assembly_of(sources, (), compiler, flags, source.source_name)
-        paths = [path for loop in marked_loops(text, "loop") for path in loop.paths]
-        if all(any(line.startswith("call") for line in path.lines) for path in paths):
-            raise KernelError(
-                f"{compiler.code} made the step a function of its own, which the loop calls and "
-                "llvm-mca does not follow"
-            )
-        return asdict(analyse(text, target))
-
-    tools = (compiler.version, flags, require_mca().version, target.row.mca_cpu)
-    return bench.store.kept(
-        "llvm-mca loops", key_of(sorted(sources.items()), tools, "no calls"), make
-    )

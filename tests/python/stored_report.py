@@ -270,6 +270,7 @@ def _kernel(role: str, variant: Variant, random: Random) -> KernelFigures:
                 ipc=2.0,
                 bottleneck="waits for results",
                 pressure=(("FP0", 20.25), ("FP1", 19.5)),
+                collision=36_000.5,
                 note="the loop",
             )
             for name in ("zen3", "x86-64-v3")

@@ -1,0 +1,114 @@
+"""A kernel on CPUs that are not here, by llvm-mca; what cannot be modelled says why."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, replace
+from typing import Any
+
+from generator.choice.modelling import modelled as replayed
+from generator.choice.store import key_of
+from generator.choice.workbench import Candidate, Workbench
+from generator.errors import InputError, KernelError
+from generator.report.measured import Modelled
+from generator.targets.host import Host
+from generator.targets.target import Target, targets
+from generator.toolchain.loops import marked_loops
+from generator.toolchain.mca import analyse, assembly_of, require_mca
+from generator.variants.rules import broken_rule
+from generator.variants.variant import Variant
+from generator.verification.errors import Array
+
+REPLAYED = 16  # collisions, of each kernel on each target
+_UNITS = 6  # of a CPU, the busiest ones
+
+
+def modelled(bench: Workbench, variant: Variant, host: Host, cases: Array) -> tuple[Modelled, ...]:
+    """llvm-mca's figures for a variant on every target, side by side.
+
+    `cases`: those that kernels are timed on; a few of them are replayed.
+    """
+    prepared = [(target, *_prepared(bench, variant, target)) for target in targets().values()]
+
+    def one(row: tuple[Target, Candidate | None, str]) -> Modelled:
+        return _modelled(bench, *row, host, cases[:REPLAYED])
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return tuple(pool.map(one, prepared))
+
+
+def _prepared(bench: Workbench, variant: Variant, target: Target) -> tuple[Candidate | None, str]:
+    """The variant for a target, or why there is none."""
+    own = replace(variant, target=target.name)
+    if not target.has("fma"):
+        own = own.with_options(fma="nofma")
+    if (rule := broken_rule(own, target)) is not None:
+        return None, rule.reason
+    try:
+        (candidate,) = bench.prepare([own], target)
+    except (KernelError, InputError, ValueError) as error:
+        return None, str(error)
+    return candidate, ""
+
+
+def _modelled(
+    bench: Workbench,
+    target: Target,
+    candidate: Candidate | None,
+    reason: str,
+    host: Host,
+    cases: Array,
+) -> Modelled:
+    known: dict[str, Any] = dict.fromkeys(("cycles", "bound", "uops", "ipc", "collision"))
+    known |= {"bottleneck": "", "pressure": ()}
+    notes = [reason] if reason else []
+    if candidate is not None:
+        try:
+            known |= _loop_figures(bench, candidate, target)
+        except KernelError as error:
+            notes.append(str(error))
+        try:
+            known["collision"] = _replayed(bench, candidate, target, host, cases)
+        except KernelError as error:
+            notes.append(str(error))
+    notes += [known.pop("note")] if "note" in known else []
+    return Modelled(target=target.name, cpu=target.row.mca_cpu, note="; ".join(notes), **known)
+
+
+def _replayed(
+    bench: Workbench, candidate: Candidate, target: Target, host: Host, cases: Array
+) -> float:
+    """Cycles of a mean collision: what runs here, replayed on the target."""
+    if not host.runs(target):
+        raise KernelError(f"{target.name} code cannot run here, so no collision can be replayed")
+    return replayed(bench, candidate, target, cases).cycles
+
+
+def _loop_figures(bench: Workbench, candidate: Candidate, target: Target) -> dict[str, Any]:
+    """Of the marked loop, from the store or made now."""
+    compiler, flags = candidate.compiler, candidate.flags
+    sources = {name: text for name, text in candidate.sources.items() if name != "probe.cpp"}
+
+    def make() -> dict[str, Any]:
+        text = assembly_of(sources, (), compiler, flags, candidate.name)
+        paths = [path for loop in marked_loops(text, "loop") for path in loop.paths]
+        if all(any(line.startswith("call") for line in path.lines) for path in paths):
+            raise KernelError(
+                f"{compiler.code} made the step a function of its own, which the loop calls and "
+                "llvm-mca does not follow"
+            )
+        return asdict(analyse(text, target))
+
+    tools = (compiler.version, flags, require_mca().version, target.row.mca_cpu)
+    key = key_of(sorted(sources.items()), tools, "no calls")
+    found = bench.store.kept("llvm-mca loops", key, make)
+    return {
+        "cycles": found["cycles_per_iteration"],
+        "bound": found["throughput_bound"],
+        "uops": found["uops"],
+        "ipc": found["ipc"],
+        "bottleneck": found["bottleneck"],
+        "pressure": tuple((name, busy) for name, busy in found["pressure"][:_UNITS]),
+        "note": found["note"],
+    }
