@@ -131,6 +131,12 @@ def test_every_file_states_its_licence_and_nothing_of_this_machine() -> None:
             assert text.isascii() and text.endswith("\n"), name
 
 
+def test_one_kernel_alone_needs_no_dispatcher() -> None:
+    files = files_for(request_for("x86-64-v2", STEPS))
+    assert [name for name in files if name.endswith(".cpp")] == ["carom_x86_64_v2.cpp"]
+    assert "use_target" not in files["carom.h"] and "use_target" not in files["carom.hpp"]
+
+
 def test_manifest_holds_what_users_must_know() -> None:
     files = files_for(request_for(TARGETS))
     document = json.loads(files[FILE])
@@ -297,7 +303,6 @@ def test_verify_refuses_what_is_no_vendored_folder(tmp_path) -> None:
 def test_verify_prints_the_state_and_exits_by_it(tmp_path) -> None:
     out = tmp_path / "carom"
     assert call("--target", "x86-64-v2", "--steps", 1000, "--out", out).exit_code == 0
-    assert not (out / "carom_dispatch.cpp").exists()
     with (out / "carom.hpp").open("a") as stream:
         stream.write("// mine\n")
     result = call("--verify", out)
