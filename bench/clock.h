@@ -46,6 +46,10 @@ class Stopwatch {
   std::uint64_t start_ticks_;
 };
 
+/// The core's clock in GHz while it is busy: the best of several runs of additions that wait for
+/// each other, one a cycle.
+double core_ghz();
+
 /// Keeps this thread on the CPU that it runs on; returns its number, or -1 if that is not possible.
 int pin_to_one_cpu();
 

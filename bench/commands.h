@@ -48,6 +48,16 @@ struct Time {
 };
 void time_plan(const Time& options);
 
+/// Shares a batch over threads, one to as many as there are cores, and prints how that scales.
+/// Throws too where the outcomes differ from those of one thread.
+struct Threads {
+  std::string kernel, cases;
+  std::size_t count = 16384;  ///< collisions in the batch, the cases over and over
+  int rounds = 5;             ///< the best of them counts
+  unsigned most = 0;          ///< threads; 0: one a core
+};
+void threads(const Threads& options);
+
 }  // namespace carom_bench
 
 #endif  // CAROM_BENCH_COMMANDS_H_

@@ -11,6 +11,7 @@ namespace {
 using carom_bench::Expect;
 using carom_bench::MakeCases;
 using carom_bench::Run;
+using carom_bench::Threads;
 using carom_bench::Time;
 
 void add_cases(CLI::App* app, MakeCases* options) {
@@ -63,6 +64,18 @@ void add_time(CLI::App* app, Time* options) {
   sub->callback([options] { carom_bench::time_plan(*options); });
 }
 
+void add_threads(CLI::App* app, Threads* options) {
+  CLI::App* sub = app->add_subcommand("threads", "Share a batch over threads: how that scales.");
+  sub->add_option("--kernel", options->kernel, "shared library")->required();
+  sub->add_option("--cases", options->cases, "file of cases")->required();
+  sub->add_option("--count", options->count, "collisions in the batch")
+      ->check(CLI::Range(1, 100000000));
+  sub->add_option("--rounds", options->rounds, "the best of them counts")
+      ->check(CLI::Range(1, 1000));
+  sub->add_option("--most", options->most, "threads; 0: one a core");
+  sub->callback([options] { carom_bench::threads(*options); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -72,10 +85,12 @@ int main(int argc, char** argv) {
   Expect expect;
   Run run;
   Time time;
+  Threads threads;
   add_cases(&app, &cases);
   add_expect(&app, &expect);
   add_run(&app, &run);
   add_time(&app, &time);
+  add_threads(&app, &threads);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -200,6 +200,7 @@ void time_plan(const Time& options) {
                               {"cases", mixed.size()},
                               {"baseline", plan.baseline},
                               {"tsc_ghz", tsc_ghz()},
+                              {"core_ghz", core_ghz()},
                               {"throughput", measured_json(throughput)},
                               {"latency", measured_json(latency)},
                               {"seed_cases", measured_json(seed_cases)}});

@@ -14,6 +14,8 @@ carom_needs=(
   "chromium-headless-shell:chromium-headless-shell:soft"
   "wasm-ld-19:lld-19:soft"
   "node:nodejs:soft"
+  "aarch64-linux-gnu-g++:g++-aarch64-linux-gnu:soft"
+  "qemu-aarch64:qemu-user:soft"
   "cmake:cmake:hard"
   "ninja:ninja-build:hard"
   "include/gtest/gtest.h:libgtest-dev:soft"

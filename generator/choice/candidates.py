@@ -8,6 +8,7 @@ from generator.scenes.scene import find_scene
 from generator.steppers.budgets import tableaus_for
 from generator.targets.target import Target
 from generator.variants.axes import axis
+from generator.variants.lanes import widths_of
 from generator.variants.names import name_of
 from generator.variants.presets import PAPER_PRESETS
 from generator.variants.rules import broken_rule
@@ -28,6 +29,9 @@ _SHORT_LIST: tuple[dict[str, str], ...] = (
     {**_BASE, "rsqrt": "ahead", "loop": "twostage", "order": "chain", "reuse": "precompute"},
     {**_BASE, "rsqrt": "est1", "loop": "twostage", "reuse": "precompute", "simd": "slips"},
 )
+
+# Ways with finished lanes and vectors interleaved that have won somewhere.
+_LANES = (("aside", "i3"), ("aside", "i2"), ("refilled", "i3"))
 
 
 def paper_rows(target: str, scene: str, model: str, stepper: Stepper) -> dict[str, Variant]:
@@ -82,6 +86,25 @@ def exact_candidates(
         for compiler in compilers
         for tableau in tableaus
         for root in roots
+    ]
+    return [v for v in found if broken_rule(v, target) is None]
+
+
+def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
+    """Legal variants whose batches go in lanes and whose single calls are as chosen."""
+    if single.stepper.family != "euler":
+        return []
+    widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
+    roots = ("est2",) if target.has("neon") else ("est1", "cubic")
+    ways = [(widest, root, *way) for root in roots for way in _LANES]
+    ways += [(width, roots[-1], *_LANES[0]) for width in narrower[:1]]
+    found = [
+        single.in_lanes(
+            width, lane_root=root, finished=finished, interleave=interleave, compiler=compiler
+        )
+        for compiler in compilers
+        if compiler != "clangold"
+        for width, root, finished, interleave in ways
     ]
     return [v for v in found if broken_rule(v, target) is None]
 

@@ -38,6 +38,8 @@ VERIFY_SEED = 20141
 VERIFY_RANDOM = 5000
 TIMING_SEED = 7735
 TIMING_CASES = 4096
+# A batch has one R, M, u_s and e_b: those of a pool table.
+BATCH_PARAMETERS = {"R": 0.028575, "M": 0.170097, "u_s1": 0.2, "u_s2": 0.2, "e_b": 0.95}
 
 
 @dataclass
@@ -220,15 +222,20 @@ class Workbench:
 
     def _verdicts(self, candidate: Candidate, expected: Expected) -> dict[str, Any]:
         """A verdict against the oracles, and one against pooltool's own figures."""
+        kept = self._verdicts_of_calls(candidate, expected, batch=False)
+        if not candidate.is_batch or not kept["oracle"]["passed"]:
+            return kept
+        return self._verdicts_of_calls(candidate, expected, batch=True)
+
+    def _verdicts_of_calls(
+        self, candidate: Candidate, expected: Expected, batch: bool
+    ) -> dict[str, Any]:
+        """The same for calls one by one, or of its batch function."""
         assert candidate.library is not None
         cases, steps = expected.cases, candidate.variant.stepper.steps
+        library, limit = candidate.library.path, self.kernel_timeout
         try:
-            got = self.tool.run_kernel(
-                candidate.library.path,
-                cases,
-                batch=candidate.is_batch,
-                timeout=self.kernel_timeout,
-            )
+            got = self.tool.run_kernel(library, cases, batch=batch, timeout=limit)
         except KernelError as error:
             broken = Verdict(
                 False, str(error), float("nan"), float("nan"), len(cases), ended=_ended(error)
@@ -259,21 +266,38 @@ class Workbench:
         made = self.tool.make_cases(TIMING_SEED, TIMING_CASES).rows
         return cases_for_scene(find_scene(scene), made, model)
 
+    def batch_cases(self, scene: str, model: str) -> Array:
+        """As timing_cases, with the same parameters for all but u_b: what a batch can take."""
+        made = self.tool.make_cases(TIMING_SEED, TIMING_CASES, fixed=BATCH_PARAMETERS).rows
+        return cases_for_scene(find_scene(scene), made, model)
+
     def time(
-        self, candidates: Sequence[Candidate], baseline: Candidate, scene: str, seconds: float
+        self,
+        candidates: Sequence[Candidate],
+        baseline: Candidate,
+        scene: str,
+        seconds: float,
+        batches: bool = False,
     ) -> TimingRun:
-        """Time what passed, interleaved with the baseline, in one process."""
+        """Time what passed, interleaved with the baseline, in one process.
+
+        `batches`: on cases that share their parameters; kernels of several lanes by their batch
+        function, all others call by call.
+        """
         alive = [c for c in candidates if c.verdict is not None and not c.rejected]
         if not alive:
             reasons = sorted({c.rejected for c in candidates if c.rejected})
             raise KernelError(f"no candidate passed verification: {'; '.join(reasons[:3])}")
         known = find_scene(scene)
-        cases = self.timing_cases(scene, baseline.variant.model)
+        model = baseline.variant.model
+        cases = self.batch_cases(scene, model) if batches else self.timing_cases(scene, model)
         reference = load_reference()
         seed_cases = reference.cases[reference.rows_of("seed_case")]
-        seeds = seed_cases if known.unrestricted else None
+        seeds = seed_cases if known.unrestricted and not batches else None
         kernels = tuple(
-            PlannedKernel(c.name, c.library.path, batch=c.is_batch, latency=not c.is_batch)
+            PlannedKernel(
+                c.name, c.library.path, batch=c.is_batch, latency=not (batches or c.is_batch)
+            )
             for c in _unique([baseline, *alive])
             if c.library is not None
         )

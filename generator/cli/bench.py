@@ -58,6 +58,8 @@ def bench(target: str, scene: str, model: str | None, json_path: Path, seconds: 
     write_atomically(json_path, json.dumps(document, indent=2) + "\n")
     for row in rows:
         click.echo(row.line())
+        if line := row.threads_line():
+            click.echo(line)
     failed = [row for row in rows if row.rejected]
     click.echo(f"{len(rows)} kernels, {len(failed)} failed; written: {json_path}")
     return 1 if failed else 0

@@ -6,12 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from generator.choice.batches import lanes_in_flight, loop_report
 from generator.choice.candidates import baseline
 from generator.choice.lookup import with_compiler_found
 from generator.choice.selection import Selected
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
 from generator.targets.target import Target
+from generator.toolchain.mca import find_mca
 from generator.variants.names import variant_of
+from generator.verification.errors import Array
 
 
 @dataclass(frozen=True)
@@ -20,6 +23,9 @@ class BenchRow:
 
     candidate: Candidate
     is_selected: bool
+    bound_cycles: float | None = None  # of a batch kernel: llvm-mca's throughput bound a collision
+    core_ghz: float | None = None  # while it was timed
+    threads: dict[int, float] | None = None  # ns a collision of a batch shared over threads
 
     @property
     def rejected(self) -> str:
@@ -48,6 +54,9 @@ class BenchRow:
             "ratio_ci": list(timing.ratio_ci) if timing else None,
             "max_rel_error": verdict.max_rel_error if verdict else None,
             "error_against": f"euler_n{v.stepper.steps}" if v.stepper.steps else "exact",
+            "bound_cycles_per_collision": self.bound_cycles,
+            "core_ghz": self.core_ghz,
+            "ns_by_threads": self.threads,
             "selected": self.is_selected,
             "rejected": c.rejected or None,
         }
@@ -60,8 +69,24 @@ class BenchRow:
         low, high = c.timing.ratio_ci
         return (
             f"{c.timing.ns:10.1f} ns  {c.timing.ratio:.4f} ({low:.4f}-{high:.4f}) of paper-initial"
-            f"  error {error}  {c.name}"
+            f"  error {error}{self._bound()}  {c.name}"
         )
+
+    def threads_line(self) -> str:
+        """How a batch scales that is shared over threads; empty where it is none."""
+        if not self.threads:
+            return ""
+        alone = self.threads[1]
+        shown = (f"{n}: {ns:.1f} ns ({alone / ns:.2f})" for n, ns in self.threads.items())
+        return f"  threads (times as fast as one) {', '.join(shown)}"
+
+    def _bound(self) -> str:
+        """How near a batch kernel is to what its loop's instructions allow."""
+        timing = self.candidate.timing
+        if self.bound_cycles is None or not self.core_ghz or timing is None:
+            return ""
+        bound = self.bound_cycles / self.core_ghz
+        return f"  {timing.ns / bound:.2f} of the loop's bound ({bound:.1f} ns)"
 
 
 def bench_rows(
@@ -79,6 +104,32 @@ def bench_rows(
         candidates = tools.prepare(variants, target)
         tools.compile(candidates)
         tools.verify(candidates, tools.expected(scene, model, 1000, VERIFY_SEED, VERIFY_RANDOM))
-        tools.time(candidates, candidates[0], scene, seconds)
-        rows += [BenchRow(c, index > 0) for index, c in enumerate(candidates)]
+        single = [c for c in candidates if c.variant.width == 1]
+        wide = [c for c in candidates if c.variant.width > 1]
+        ghz = None
+        if any(not c.rejected for c in wide):
+            run = tools.time([*single, *wide], candidates[0], scene, seconds, batches=True)
+            ghz = run.core_ghz
+        tools.time(single, candidates[0], scene, seconds)
+        rows += [BenchRow(c, c is not candidates[0]) for c in single]
+        cases = tools.batch_cases(scene, model)
+        rows += [_batch_row(tools, c, target, ghz, cases) for c in wide]
     return rows
+
+
+def _batch_row(
+    tools: Workbench, candidate: Candidate, target: Target, ghz: float | None, cases: Array
+) -> BenchRow:
+    if candidate.rejected or candidate.library is None:
+        return BenchRow(candidate, True)
+    threads = tools.tool.threads(candidate.library.path, cases)
+    return BenchRow(candidate, True, _bound_cycles(tools, candidate, target), ghz, threads)
+
+
+def _bound_cycles(tools: Workbench, candidate: Candidate, target: Target) -> float | None:
+    """Cycles that N steps of a batch kernel's loop need at least, over its lanes."""
+    steps = candidate.variant.stepper.steps
+    if steps is None or candidate.rejected or find_mca() is None:
+        return None
+    report = loop_report(tools, candidate, target)
+    return report.throughput_bound * steps / lanes_in_flight(candidate.variant)

@@ -11,6 +11,7 @@ from generator.scenes.models import MODELS
 from generator.scenes.scene import scenes
 from generator.targets.host import read_host
 from generator.targets.target import Target, targets
+from generator.toolchain.compilers import compilers_for, emulator_for
 from generator.variants.axes import AXES
 from generator.variants.presets import PRESETS
 from generator.variants.rules import RULES
@@ -51,11 +52,17 @@ def _table(title: str, *columns: str) -> Table:
 
 def _targets() -> list[Table]:
     host = read_host()
-    table = _table("targets", "name", "what", "vector bits", "llvm-mca", "tested here")
+    columns = ("name", "what", "vector bits", "registers", "llvm-mca", "tested here")
+    table = _table("targets", *columns)
     for target in targets().values():
         bits = str(target.row.vector_bits)
         tested = how_tested(target, host.target.name, host.runs(target))
-        table.add_row(target.name, target.row.text, bits, target.row.mca_cpu, tested)
+        registers, mca = str(target.row.vector_registers), target.row.mca_cpu
+        table.add_row(target.name, target.row.text, bits, registers, mca, tested)
+    if not host.exact:
+        table.caption = (
+            f"{host.cpu} is not known: native is its nearest ancestor, {host.target.name}"
+        )
     return [table]
 
 
@@ -63,7 +70,11 @@ def how_tested(target: Target, host: str, runs: bool) -> str:
     """How kernels for a target can be tested on this machine."""
     if target.name == host:
         return "timed"
-    return "run" if runs else "compiled only"
+    if runs:
+        return "run"
+    if not compilers_for(target):
+        return "not compiled"
+    return "run under emulation" if emulator_for(target) else "compiled only"
 
 
 def _scenes() -> list[Table]:

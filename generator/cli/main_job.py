@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from generator.choice.batches import batch_job
 from generator.choice.choose import Choice, selected
 from generator.choice.folder import checked_selection, require_writable, write_folder
 from generator.choice.job import exact_job, fixed_step_job
@@ -50,20 +51,26 @@ def run_main_job(
             jobs = [fixed_step_job] if max_error is None and known.fixed_steps else []
             for job in (*jobs, exact_job(max_error or known.max_error)):
                 candidates, first, choice = job(bench, target, host, scene, name, seconds)
+                batches = batch_job(bench, target, host, scene, first, choice.chosen, seconds)
                 selection = checked_selection(folder) or Selection(
                     target=target_name, resolved=target.name, scene=scene, kernels=[]
                 )
                 selection = selection.model_copy(update={"resolved": target.name})
-                entry = selected(choice, first)
-                write_folder(folder, selection.with_entries([entry]))
-                console.print(f"\nmodel {name}, {_goal(choice)}", highlight=False)
-                show_table(console, candidates, choice, target, host)
-                _footnotes(console, bench, candidates, choice, target, host)
-                console.print(f"written: {folder}/ ({entry.file})", highlight=False, soft_wrap=True)
+                found = [(candidates, first, choice), *([batches] if batches else [])]
+                entries = [selected(chosen, base) for _, base, chosen in found]
+                write_folder(folder, selection.with_entries(entries))
+                for (shown, _, chosen), entry in zip(found, entries, strict=True):
+                    console.print(f"\nmodel {name}, {_goal(chosen)}", highlight=False)
+                    show_table(console, shown, chosen, target, host)
+                    _footnotes(console, bench, shown, chosen, target, host)
+                    written = f"written: {folder}/ ({entry.file})"
+                    console.print(written, highlight=False, soft_wrap=True)
 
 
 def _goal(choice: Choice) -> str:
-    stepper = choice.chosen.variant.stepper
+    stepper, width = choice.chosen.variant.stepper, choice.chosen.variant.width
+    if width > 1:
+        return f"batches, N = {stepper.steps}"
     if stepper.steps is not None:
         return f"fixed steps, N = {stepper.steps}"
     return f"exact to {stepper.budget:g} of the relative speed"
@@ -102,7 +109,12 @@ def _footnotes(
             f"scene {choice.chosen.variant.scene} has no fixed-step kernels (that scheme is of "
             f"equal balls and in double): paper-initial is that of scene {first.scene}"
         )
-    if choice.by == "llvm-mca":
+    if choice.by == "llvm-mca" and choice.chosen.variant.width > 1:
+        say(
+            f"{target.name} is not this host's CPU ({host.target.name}): lanes are chosen by "
+            f"llvm-mca's cycles for {target.row.mca_cpu} of N steps of the loop, over its lanes"
+        )
+    elif choice.by == "llvm-mca":
         times = "the times are this host's, not the target's" if host.runs(target) else "not run"
         say(
             f"{target.name} is not this host's CPU ({host.target.name}): chosen by cycles a "

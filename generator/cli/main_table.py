@@ -74,10 +74,10 @@ def _timed(candidates: Sequence[Candidate]) -> bool:
 
 def _base(variants: Sequence[Variant]) -> dict[str, str]:
     """For each option the code that most of our candidates have."""
-    keys = [key for key, _ in variants[0].options] if variants else []
+    keys = [key for key, _ in variants[-1].options] if variants else []
     base = {}
     for key in keys:
-        counts = Counter(v[key] for v in variants)
+        counts = Counter(v.get(key) for v in variants)
         codes = axis(key).codes()
         base[key] = max(codes, key=lambda code: (counts[code], -codes.index(code)))
     return base
@@ -89,6 +89,7 @@ def _label(variant: Variant, base: dict[str, str]) -> str:
         differing = [code for key, code in variant.options if base.get(key) != code]
         exact = variant.stepper.family == "exact"
         head = variant.stepper.name if exact else "ours"
+        head = f"{head} x{variant.width}" if variant.width > 1 else head
         return f"{head}: {' '.join(differing) or '(as below)'}"
     initial = {"compiler": "gcc", **PAPER_PRESETS[0].options}
     differing = [c for k, c in variant.options if c != initial.get(k, axis(k).default)]

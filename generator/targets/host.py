@@ -77,6 +77,8 @@ def read_host(cpuinfo: str | None = None) -> Host:
     fields = _fields(text)
     flags = fields.get("flags", fields.get("Features", "")).split()
     features = frozenset(_SPELLINGS.get(flag, flag) for flag in flags)
+    if "neon" in features:
+        features |= {"fma"}  # part of AArch64's NEON, without a flag of its own
     cpu = fields.get("model name", platform.machine())
     name = _known(fields)
     if name is not None and targets()[name].features <= features:

@@ -43,7 +43,12 @@ class Target(BaseModel):
     @property
     def generic(self) -> bool:
         """Is it a level of instruction sets instead of one CPU?"""
-        return self.name.startswith("x86-64-v")
+        return self.name.startswith("x86-64-v") or self.parent_of_an_arch
+
+    @property
+    def parent_of_an_arch(self) -> bool:
+        """Is it what every CPU of its architecture has?"""
+        return not self.ancestors
 
     @property
     def has_rsqrt_estimate(self) -> bool:

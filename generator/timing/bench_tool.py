@@ -9,6 +9,7 @@ import fcntl
 import hashlib
 import json
 import os
+import re
 import shutil
 import signal
 import tempfile
@@ -73,13 +74,15 @@ class BenchTool:
 
     executable: Path
 
-    def _run(self, command: str, *arguments: object, timeout: float = RUN_TIMEOUT) -> None:
+    def _run(self, command: str, *arguments: object, timeout: float = RUN_TIMEOUT) -> str:
+        """What the command prints."""
         words = [str(self.executable), command, *map(str, arguments)]
         done = run(words, timeout)
         if done.code != 0:
             message = done.first_error if done.errors or done.output else ""
             kind = KernelCrash if done.code < 0 else KernelError
             raise kind(f"carom_bench {command}: {_reason(done.code, message)}")
+        return done.output
 
     def make_cases(
         self,
@@ -143,6 +146,21 @@ class BenchTool:
             files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
             self._run("run", *options, *files, timeout=timeout)
             return _read(Path(name, "out"), OUTCOME_COLUMNS, len(cases))
+
+    def threads(
+        self, library: Path, cases: Array, count: int = 16384, most: int = 0
+    ) -> dict[int, float]:
+        """ns a collision of a batch shared over 1, 2, ... threads, by their number.
+
+        `most`: threads; 0: one a core. Raises KernelError too where the outcomes differ from those
+        of one thread.
+        """
+        with tempfile.TemporaryDirectory() as name:
+            path = _write(Path(name, "cases"), cases)
+            words = ("--kernel", library, "--cases", path, "--count", count, "--most", most)
+            told = self._run("threads", *words)
+        rows = re.findall(r"^(\d+) threads: (\S+) ns", told, re.MULTILINE)
+        return {int(threads): float(ns) for threads, ns in rows}
 
     def time(self, plan: TimingPlan) -> TimingRun:
         """Times the kernels of a plan, which must have passed verification."""

@@ -52,6 +52,7 @@ class TimingRun:
     seed_cases: Measurement | None
     tsc_ghz: float
     cpu: int  # the CPU that the thread was kept on, or -1
+    core_ghz: float = 0.0  # the core's clock after it; 0: not known
 
 
 def median_interval(values: Array, confidence: float = CONFIDENCE) -> Interval:
@@ -92,6 +93,7 @@ def timing_run(document: dict[str, Any]) -> TimingRun:
             seed_cases=_measurement(document["seed_cases"]),
             tsc_ghz=document["tsc_ghz"],
             cpu=document["cpu"],
+            core_ghz=document.get("core_ghz", 0.0),
         )
     except (KeyError, IndexError, TypeError) as error:
         raise KernelError(f"the timing's result is not complete: {error}") from None

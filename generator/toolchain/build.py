@@ -97,7 +97,9 @@ def _compile(job: BuildJob, folder: Path, log: list[str]) -> str | None:
         if (reason := _run_logged([job.compiler.path, *flags], folder, log)) is not None:
             return reason
     objects = [f"{number}.o" for number in range(len(units))]
-    return _run_logged([job.compiler.path, *LINK_FLAGS, *objects, "-o", "kernel.so"], folder, log)
+    triple = [flag for flag in job.flags if flag.startswith("--target=")]
+    link = [job.compiler.path, *triple, *LINK_FLAGS, *objects, "-o", "kernel.so"]
+    return _run_logged(link, folder, log)
 
 
 def _publish(folder: Path, final: Path) -> None:

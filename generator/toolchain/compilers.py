@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 from generator.errors import KernelError
 from generator.targets.target import Target, targets
@@ -80,6 +81,34 @@ def find_compilers() -> tuple[Compiler, ...]:
     return tuple(c for c in (_newest("gcc", "g++"), newest, default) if c is not None)
 
 
+@cache
+def cross_compilers(arch: str) -> tuple[Compiler, ...]:
+    """Those that compile and link for another architecture: GCC's own for it, and Clang."""
+    gcc = _newest("gcc", f"{arch}-linux-gnu-g++")
+    if gcc is None:
+        return ()  # Clang takes the linker and the system's headers from it
+    return (gcc, *(c for c in find_compilers() if c.code == "clang"))
+
+
+def compilers_for(target: Target) -> tuple[Compiler, ...]:
+    """The compilers for a target's architecture, whichever machine this is."""
+    if target.row.arch == platform.machine():
+        return find_compilers()
+    return cross_compilers(target.row.arch)
+
+
+def emulator_for(target: Target) -> tuple[str, ...] | None:
+    """The command before a program of the target's architecture; empty where none is needed.
+
+    None where there is none.
+    """
+    arch = target.row.arch
+    if arch == platform.machine():
+        return ()
+    qemu = shutil.which(f"qemu-{arch}")
+    return None if qemu is None else (qemu, "-L", f"/usr/{arch}-linux-gnu")
+
+
 def missing(found: Iterable[Compiler]) -> str:
     """What was not found and the Debian package that brings it; empty where nothing is missing."""
     codes = {c.code for c in found}
@@ -92,6 +121,10 @@ def _triple(compiler: Compiler, arch: str) -> tuple[str, ...]:
     if arch == platform.machine():
         return ()
     return (f"--target={arch}-linux-gnu",) if compiler.is_clang else ()
+
+
+def _is_cross(compiler: Compiler, arch: str) -> bool:
+    return Path(compiler.path).name.startswith(f"{arch}-linux-gnu-")
 
 
 @cache
@@ -116,7 +149,7 @@ def march_flags(compiler: Compiler, target: Target) -> March:
     if not compiler.is_clang and row.march_gcc_fallback is not None:
         wanted.append(row.march_gcc_fallback)
     wanted += [targets()[name].row.march for name in target.ancestors]
-    if compiler.is_clang or arch == platform.machine():
+    if compiler.is_clang or arch == platform.machine() or _is_cross(compiler, arch):
         for march in wanted:
             if accepts_march(compiler, march, arch):
                 flags = (*_triple(compiler, arch), f"-march={march}")

@@ -165,3 +165,17 @@ def test_batches_are_as_exact_as_single_calls(model):
         verdict = euler_verdict(cases.rows, got, euler, exact, 1000, share)
         print(f"{each.target} x{each.width}: {verdict.max_abs_error:.2g} m/s, {verdict.reason}")
         assert verdict.passed, f"{each.target} x{each.width}: {verdict.reason}"
+
+
+def test_a_batch_may_be_shared_over_threads():
+    """The outcomes of two and three threads are those of one, bit for bit; the scaling is shown."""
+    tool = bench_tool()
+    target, width, options = max(
+        (k for k in KERNELS if read_host().runs(find_target(k[0]))), key=lambda k: k[1]
+    )
+    library = _built(target, width, "mathavan2014", 40, options)
+    rows = tool.make_cases(3, 500, fixed={"u_s1": 0.2, "u_s2": 0.2, "e_b": 0.9}).rows
+    found = tool.threads(library.path, rows, 4096, most=3)
+    alone = found[1]
+    print({n: f"{ns:.1f} ns, {alone / ns:.2f} times as fast" for n, ns in found.items()})
+    assert list(found) == [1, 2, 3]
