@@ -109,8 +109,9 @@ def _variant(v: VariantPoint, contest: Contest, colour: int) -> Point:
     shape = _COMPILERS.get(options.get("compiler", ""), ("circle", ""))[0]
     low, high = v.ratio_ci
     lanes = f", {v.width} lanes" if v.width > 1 else ""
+    codes = ", ".join(f"{key} {code}" for key, code in options.items() if code)
     title = (
-        f"{v.stepper}{lanes}, {contest.goal}: {', '.join(f'{k} {c}' for k, c in options.items())}\n"
+        f"{v.stepper}{lanes}, {contest.goal}: {codes}\n"
         f"{nanoseconds(float(f'{v.ns:.3g}'))}, {v.ratio:.4g} ({low:.4g} to {high:.4g}) of "
         f"paper-initial, error {v.error:.1e}{', tie' if v.tie else ''}"
     )

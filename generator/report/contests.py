@@ -90,8 +90,9 @@ def _contest(name: str, trials: list[Trial], final: Final | None) -> Contest:
     first = trials[0].subject
     euler = first.steps is not None
     ties = set(final.ties) if final else set()
+    axes = tuple(dict.fromkeys(key for trial in trials for key in trial.subject.options))
     points = sorted(
-        (_point(trial, ties) for trial in trials), key=lambda p: (p.ratio, p.error, p.name)
+        (_point(trial, axes, ties) for trial in trials), key=lambda p: (p.ratio, p.error, p.name)
     )
     return Contest(
         name=name,
@@ -99,20 +100,21 @@ def _contest(name: str, trials: list[Trial], final: Final | None) -> Contest:
         call=first.call,
         family="euler" if euler else "exact",
         against=SCHEME if euler else EXACT,
-        axes=tuple(first.options),
+        axes=axes,
         band=_band(points, final),
         variants=_with_front(points),
     )
 
 
-def _point(trial: Trial, ties: set[str]) -> VariantPoint:
+def _point(trial: Trial, axes: Sequence[str], ties: set[str]) -> VariantPoint:
+    """An axis that a variant has not, as those of lanes, is an empty code."""
     assert trial.times is not None
     error = trial.errors.max_rel_error if trial.errors else None
     return VariantPoint(
         name=trial.subject.name,
         stepper=trial.subject.stepper,
         width=trial.subject.width,
-        options=tuple(trial.subject.options.values()),
+        options=tuple(trial.subject.options.get(key, "") for key in axes),
         ns=trial.times.ns,
         ratio=trial.times.ratio,
         ratio_ci=trial.times.ratio_ci,

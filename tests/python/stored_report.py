@@ -81,7 +81,15 @@ def _variants(contest: Contest, count: int, random: Random) -> list[Variant]:
             near = space.neighbours(random.choice(list(found.values())))
             found |= {name_of(v): v for v in random.sample(list(near), min(4, len(near)))}
         rows = list(found.values())
+    if contest.call == "batch":  # half of them with lanes, which have options of their own
+        rows = [v if n % 2 else _with_lanes(v) for n, v in enumerate(rows)]
     return rows[:count]
+
+
+def _with_lanes(variant: Variant) -> Variant:
+    """Four lanes; their own options have their defaults. Legal or not: nothing is built."""
+    options = dict(variant.options)
+    return make_variant(variant.target, SCENE, MODEL, variant.stepper, 4, **options)
 
 
 def _times(variant: Variant, random: Random) -> Times:
