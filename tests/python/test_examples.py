@@ -12,6 +12,8 @@ import pytest
 from kernels import ROOT, bench_tool
 from vendored import PAIRS, STRICT, ran, request_for, vendored
 
+from generator import __version__
+
 pytestmark = pytest.mark.skipif(not PAIRS, reason="no C and C++ compiler of one make")
 EXAMPLES = ROOT / "examples"
 FLAGS = " ".join(STRICT)
@@ -57,6 +59,7 @@ def test_installed_it_serves_find_package_and_pkg_config(tmp_path) -> None:
     flags = ran(["pkg-config", "--cflags", "--libs", "carom"], env=environment).stdout.split()
     version = ran(["pkg-config", "--modversion", "carom"], env=environment).stdout.strip()
     print(f"carom {version}: {' '.join(flags)}")
+    assert version == __version__
     main = EXAMPLES / "c_find_package" / "main.c"
     ran([PAIRS[0][1], "-std=c99", *STRICT, main, *flags, "-o", tmp_path / "by_hand"])
     assert ANSWER in ran([tmp_path / "by_hand"]).stdout

@@ -15,6 +15,11 @@ from generator.targets.target import Target, TargetRow, targets
 
 PROGRAMS = ROOT / "tests" / "vendor"
 TARGETS = "zen3,x86-64-v2"
+ALLOWED_CALLS = {
+    *("memcpy", "memset", "memmove", "memcmp", "strcmp", "getenv"),
+    *("sqrt", "fma", "fabs", "fmax", "fmin", "copysign", "floor", "exp", "hypot"),
+    *("_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"),
+}
 pytestmark = pytest.mark.skipif(not PAIRS, reason="no C and C++ compiler of one make")
 
 
@@ -100,20 +105,29 @@ def test_batches_go_through_the_kernel_that_was_chosen_for_them(targets, tmp_pat
 @pytest.mark.parametrize(
     ("goal", "lanes"), [(EXACT, False), (Goal(steps=1000), True)], ids=["exact", "steps in lanes"]
 )
-def test_units_share_no_code_and_hold_no_state(pair, goal, lanes, tmp_path) -> None:
-    """Not optimised, where every inline function would be a weak symbol that linkers may merge."""
+def test_units_share_no_code_hold_no_state_and_call_nothing_but_libm(
+    pair, goal, lanes, tmp_path
+) -> None:
+    """Not optimised, where every inline function would be a weak symbol that linkers may merge.
+
+    What is called from outside shows that there are no exceptions, no allocation and no I/O.
+    """
     made = vendored(tmp_path / "made", request_for(TARGETS, goal), lanes)
-    state = []
+    state, called = [], set()
     for path in compiled(made, tmp_path / "objects", pair[0], "-O0"):
         for line in ran(["nm", "-C", path]).stdout.splitlines():
             kind, _, name = line.split(maxsplit=1)[-1].partition(" ")
-            if len(line.split()) < 3 or kind in "UTtrR":
+            if line.split()[0] == "U":
+                called.add(line.split()[1])
+            if len(line.split()) < 3 or kind in "TtrR":
                 continue
             assert kind in "db", f"{path.name}: {line}"
             state.append((path.stem, kind, name))
     written = [entry for entry in state if entry[1] == "b"]
     constants = {name.split("::")[-1] for _, kind, name in state if kind == "d"}
-    print(f"state: {written}; tables of pointers: {sorted(constants)}")
+    foreign = {name for name in called if not name.startswith("carom_")}
+    print(f"state: {written}; tables of pointers: {sorted(constants)}; calls {sorted(foreign)}")
+    assert foreign <= ALLOWED_CALLS
     assert [(unit, name.split("::")[-1]) for unit, _, name in written] == [
         ("carom_dispatch", "chosen")
     ]
