@@ -33,6 +33,12 @@ bool same(const double* a, const double* b, std::size_t count) {
   return std::memcmp(a, b, count * sizeof(double)) == 0;
 }
 
+// pooltool's axes are not orthogonal then, and change even what no impulse changes.
+bool tilted(const Case& c) {
+  const double x = c.balls[9] - c.balls[0], y = c.balls[10] - c.balls[1];
+  return std::fabs(c.balls[11] - c.balls[2]) > 1e-9 * std::hypot(x, y);
+}
+
 // What a collision may change, and by how much.
 void check(const Row& row, const Case& c, const Result& r) {
   if (r.status < kOk || r.status > kTilted) found("no such status", row, c);
@@ -43,6 +49,10 @@ void check(const Row& row, const Case& c, const Result& r) {
     if (!same(r.balls, c.balls, 18)) found("not as it came, though refused", row, c);
     return;
   }
+  for (double value : r.balls) {
+    if (!std::isfinite(value)) found("not finite", row, c);
+  }
+  if (tilted(c)) return;
   const double* const b = c.balls;
   const double relative = std::hypot(std::hypot(b[12] - b[3], b[13] - b[4]), b[14] - b[5]);
   double fastest = 0.0;
@@ -51,7 +61,6 @@ void check(const Row& row, const Case& c, const Result& r) {
   const double most = kMostChange * relative + 1e-9 * fastest;
   for (int i = 0; i < 18; ++i) {
     const double unit = i % 9 < 6 ? 1.0 : c.p.R;
-    if (!std::isfinite(r.balls[i])) found("not finite", row, c);
     if (std::fabs(r.balls[i] - b[i]) * unit > most) found("changed by too much", row, c);
   }
 }

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
-from installed import carom, run, site
+from installed import ROOT, carom, run, site
 
 from generator.clients.kernel_set import BUDGETS, STEPS, TARGETS
 from generator.scenes.models import MODELS
@@ -180,6 +181,15 @@ def test_other_threads_run_during_a_batch() -> None:
         turns += 1
     print(f"{turns} turns of the main thread during a batch")
     assert turns > 1000
+
+
+def test_the_example_runs(tmp_path) -> None:
+    """A stun shot's paths are at right angles but for throw and lost energy; a cut does not matter."""
+    example = ROOT / "examples" / "python" / "stun_line.py"
+    text = run([sys.executable, "-P", example], PYTHONPATH=str(site()))
+    print(text)
+    angles = [float(line.split()[1]) for line in text.splitlines()[2:]]
+    assert len(angles) == 8 and all(79 < angle < 90 for angle in angles)
 
 
 # ---- gen, from anywhere ----------------------------------------------------------------------

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Everything that docs/trust.md speaks of but the long fuzzing (tools/fuzz.sh): sanitizers over the C++
+# tests and over every kernel, and static analysis. Stops at the first finding. About 10 minutes.
+set -euo pipefail
+
+root=$(cd -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/.." && pwd)
+cd "$root"
+export ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1
+replay=(-runs=200000 -seed=2014 -timeout=20 -print_final_stats=0)
+
+say() { printf '== %s\n' "$*"; }
+
+preset() { # PRESET: configured and built
+  cmake --preset "$1" >/dev/null
+  cmake --build --preset "$1"
+}
+
+say "address and undefined behaviour: the C++ tests and the bench"
+preset asan+ubsan
+ctest --preset asan+ubsan --no-tests=error
+
+say "address and undefined behaviour: every kernel, 200,000 inputs"
+preset fuzz
+mkdir -p build/fuzz-corpus/collide
+build/fuzz/fuzz/collide_fuzzer "${replay[@]}" build/fuzz-corpus/collide 2>&1 | tail -n 1
+
+say "memory: every kernel, the same inputs"
+preset fuzz-memory
+build/fuzz-memory/fuzz/collide_fuzzer "${replay[@]}" build/fuzz-corpus/collide 2>&1 | tail -n 1
+
+say "static analysis: clang-tidy over C++, ruff with bandit's rules over Python"
+cmake --preset default >/dev/null
+clang-tidy-19 -p build/default --quiet bench/*.cpp tests/cpp/*.cpp
+clang-tidy-19 -p build/fuzz --quiet fuzz/*.cpp
+.venv/bin/python -m ruff check --select S generator python
+say "nothing found"
