@@ -184,7 +184,7 @@ def test_other_threads_run_during_a_batch() -> None:
 
 
 def test_the_example_runs(tmp_path) -> None:
-    """A stun shot's paths are at right angles but for throw and lost energy; a cut does not matter."""
+    """A stun shot leaves at right angles but for throw and lost energy, whatever the cut."""
     example = ROOT / "examples" / "python" / "stun_line.py"
     text = run([sys.executable, "-P", example], PYTHONPATH=str(site()))
     print(text)
