@@ -13,6 +13,7 @@ from click.testing import CliRunner, Result
 from kernels import ROOT, bench_tool
 from vendored import EXACT, files_for, record_for, request_for, vendored
 
+import generator.vendoring.folder as folder_room
 import generator.vendoring.package as package
 from generator.choice.lookup import Goal
 from generator.choice.selection import FILE as SELECTION
@@ -211,7 +212,11 @@ def test_what_is_killed_half_way_leaves_the_old_folder(tmp_path) -> None:
     assert {p.name: p.read_bytes() for p in made.iterdir()} == before
 
 
-def test_a_folder_is_replaced_whole(tmp_path) -> None:
+@pytest.mark.parametrize("in_one_step", [True, False])
+def test_a_folder_is_replaced_whole(in_one_step, tmp_path, monkeypatch) -> None:
+    """Exchanged where the system can, else moved aside; nothing stays behind."""
+    if not in_one_step:
+        monkeypatch.setattr(folder_room, "_exchange", lambda one, other: False)
     made = vendored(tmp_path / "carom", request_for(TARGETS, STEPS))
     with staged(made) as folder:
         write_files(folder, {"only.txt": "new\n"})
