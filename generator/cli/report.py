@@ -122,7 +122,7 @@ def _measure(request: Request, host: Host, stored: Stored, kept: Path, seconds: 
     from generator.cli.session import ROOT, workbench
     from generator.report.measure import measure
     from generator.report.measured import write_measured
-    from generator.report.subjects import calls, subjects
+    from generator.report.subjects import calls, lanes_in, subjects
 
     target = request.resolved
     if host.target.name != target.name:
@@ -140,7 +140,8 @@ def _measure(request: Request, host: Host, stored: Stored, kept: Path, seconds: 
             bench.compilers,
             stored.finals,
         )
-        called = calls(found, stored.finals)
+        lanes = lanes_in(ROOT / "generated", target, request.scene, request.model)
+        called = calls(found, stored.finals, lanes)
         made = measure(
             bench, found, called, target, host, request.scene, request.model, seconds, command
         )

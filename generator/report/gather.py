@@ -129,8 +129,8 @@ def _missing(
         return found
     if not any(row.width > 1 for row in calls):
         found["lanes"] = (
-            "no kernel with lanes was chosen by a stored sweep, so batches go one collision after "
-            "the other; ./gen sweep --call batch looks for one"
+            "no kernel with lanes was chosen by a stored sweep or lies in generated/; ./gen sweep "
+            "--call batch looks for one"
         )
     found |= _unmeasured(measured)
     swept = {final.chosen for final in stored.finals.values()}

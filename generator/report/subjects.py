@@ -8,11 +8,12 @@ from pathlib import Path
 
 from generator.choice.candidates import baseline, paper_rows
 from generator.choice.lookup import Goal, kernel_for, with_compiler_found
+from generator.choice.selection import read_selection
 from generator.sweep.record import Final
 from generator.sweep.space import variant_of_subject
 from generator.targets.target import Target
 from generator.toolchain.compilers import Compiler
-from generator.variants.names import name_of
+from generator.variants.names import name_of, variant_of
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, Variant
 
@@ -110,18 +111,31 @@ def _fitted(subject: Subject, target: Target, compilers: dict[str, Compiler]) ->
     return Subject(subject.role, variant, subject.featured)
 
 
-def calls(found: Sequence[Subject], finals: dict[str, Final]) -> list[Called]:
-    """For each goal: the scalar call first, the same kernel's batch, the sweep's choice for it."""
-    batches = _chosen_by_sweep(finals, "batch")
+def lanes_in(generated: Path, target: Target, scene: str, model: str) -> list[Variant]:
+    """Kernels with lanes that a folder of `generated` holds for a target."""
+    found = []
+    for name in ("native", target.name):
+        selection = read_selection(generated / name / scene)
+        if selection is not None and selection.resolved == target.name:
+            own = [e for e in selection.kernels if e.model == model and e.width > 1]
+            found += [variant_of(entry.kernel) for entry in own]
+    return found
+
+
+def calls(
+    found: Sequence[Subject], finals: dict[str, Final], in_generated: Sequence[Variant] = ()
+) -> list[Called]:
+    """For each goal: the scalar call first, the same kernel's batch, the batch kernels chosen."""
+    swept = list(_chosen_by_sweep(finals, "batch").values())
+    batches = {name_of(variant): variant for variant in [*swept, *in_generated]}
     listed = []
     for subject in found:
         if not subject.featured or subject.role == BEST:
             continue
-        stepper = subject.variant.stepper
         listed.append(Called(subject.role, subject.variant, False))
         listed.append(Called(subject.role, subject.variant, True))
-        budget = "" if stepper.budget is None else f"{stepper.budget:.0e}"
-        lanes = batches.get((stepper.steps, budget))
-        if lanes is not None and subject.role != BASELINE and lanes != subject.variant:
-            listed.append(Called(subject.role, lanes, True))
+        if subject.role != BASELINE:
+            goal = subject.variant.stepper.goal
+            own = [v for v in batches.values() if v.stepper.goal == goal and v != subject.variant]
+            listed += [Called(subject.role, variant, True) for variant in own]
     return listed

@@ -26,11 +26,13 @@ from generator.report.gather import gather
 from generator.report.measured import Measured, measured_path, read_measured, write_measured
 from generator.report.page import render
 from generator.report.published import NUMBA_CYCLES
-from generator.report.subjects import BASELINE, BEST, EULER
-from generator.sweep.record import Trial
+from generator.report.subjects import BASELINE, BEST, EULER, Subject, calls, last_finals
+from generator.sweep.record import Final, Trial
 from generator.sweep.store import read_only
 from generator.targets.host import read_host
+from generator.variants.names import variant_of
 from generator.variants.presets import PAPER_PRESETS
+from generator.variants.variant import Stepper, make_variant
 from generator.verification.reference import CASE_NAMES, load_reference
 
 TARGET = "zen3"
@@ -257,6 +259,29 @@ def test_what_no_sweep_keeps_is_measured(tmp_path: Path, monkeypatch: pytest.Mon
             assert count == int(stated.get(kind, 0)), (row["role"], kind)
     exact = [row for row in document["chosen"] if row["role"].startswith("E = ")]
     assert all(row["error"] <= float(row["role"][4:9]) for row in exact)
+
+
+def test_kernels_with_lanes_are_called_beside_the_scalar_one_of_their_goal(made: Made) -> None:
+    measured = make_measured(TARGET)
+    found = [Subject(k.role, variant_of(k.name), True) for k in measured.kernels]
+    with read_only(made.store.path) as store:
+        finals = last_finals(store.finals(), TARGET, "any", "mathavan2014")
+    lanes = make_variant(TARGET, "any", "mathavan2014", Stepper("dp54", budget=1e-6), 4)
+    called = calls(found, finals, [lanes])
+    by_role = {
+        s.role: [(c.variant.width, c.batch) for c in called if c.role == s.role] for s in found
+    }
+    print(by_role)
+    assert by_role["E = 1e-06, chosen"] == [(1, False), (1, True), (4, True)]
+    assert by_role["E = 1e-03, chosen"] == [(1, False), (1, True)]
+    assert by_role[BASELINE] == [(1, False), (1, True)]
+    assert by_role[EULER][2:] == [(finals_width(finals), True)]
+    assert by_role[BEST] == []
+
+
+def finals_width(finals: dict[str, Final]) -> int:
+    final = next(f for name, f in finals.items() if name.endswith("n1000/batch"))
+    return next(f.subject.width for f in final.finalists if f.subject.name == final.chosen)
 
 
 def test_rejections_are_counted_by_reason(made: Made) -> None:
