@@ -14,6 +14,8 @@ from generator.errors import KernelError
 from generator.toolchain.process import run
 from generator.verification.errors import Array
 
+_BESIDE_PACKAGE = Path(__file__).parents[2]  # where python -m finds the package
+
 
 def call_isolated(
     function: str, library: Path, cases: Array, timeout: float, *more: object
@@ -22,8 +24,9 @@ def call_isolated(
     with tempfile.TemporaryDirectory() as name:
         rows, out = Path(name, "rows"), Path(name, "out")
         np.ascontiguousarray(cases, dtype=np.float64).tofile(rows)
-        command = [sys.executable, "-P", "-m", "generator.profiling.run_library"]
-        done = run([*command, function, *map(str, (library, rows, out, *more))], timeout)
+        command = [sys.executable, "-m", "generator.profiling.run_library", function]
+        words = map(str, (library.resolve(), rows, out, *more))
+        done = run([*command, *words], timeout, cwd=_BESIDE_PACKAGE)
         if done.code != 0:
             raise KernelError(f"{function}: {done.first_error}")
         return json.loads(out.read_text("utf-8"))
