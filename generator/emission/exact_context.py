@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from generator.errors import InputError
 from generator.emission.isa import Estimate, estimate, float_estimate
 from generator.lowering.collision_ends import CollisionEnds, LevelForms, at_zero
 from generator.lowering.counts import OperationCounts
-from generator.lowering.exact_step import CONTACT, RATES, SLIPS, ExactLowering, ExactStep
+from generator.lowering.exact_step import (
+    CONTACT,
+    IMPULSES,
+    RUBBING,
+    SLIPS,
+    ExactLowering,
+    ExactStep,
+)
 from generator.lowering.fixed_step import Part
 from generator.lowering.printer import number
 from generator.mechanics import symbols as s
@@ -47,20 +55,24 @@ class ExactContext:
     k_x: float  # c_x' = k_x d_x + ...
     k_z: float  # c_z' = k_z d_z + ...
     k_zt: float  # c_z' = ... + k_zt t_y
+    per_k_x: str  # their inverses, exact but for one rounding
+    per_k_z: str
     drift_x: str
     drift_y: str
     tail_t_x: str  # table friction of sticking, as it changes c_x and v_n
     tail_t_y: str
     tail_steps: tuple[str, ...]  # the stages of the step into sticking
     extra_stages: tuple[Part, ...]  # for the interpolant alone
-    dense_work: tuple[str, ...]  # coefficients of the interpolants of v_n and of the work
-    dense_slips: tuple[str, ...]
+    dense_work: tuple[str, ...]  # coefficients of the interpolants of t_y and of the work
+    dense_contact: tuple[str, ...]  # of the other impulses
+    drift: tuple[str, ...]  # b, the rate of the table slip
+    landed: tuple[str, ...]  # slips from the impulses of a part of a step
     k_xt: float  # c_x' = ... - k_xt t_x
     k_f: float  # s' = ... + k_f t
     approach_share: str  # of table friction in the change of v_n, as a factor
     tail_s_x: str
     tail_s_y: str
-    rate_names: tuple[str, ...] = RATES
+    impulse_names: tuple[str, ...] = tuple(IMPULSES)
     slip_names: tuple[str, ...] = tuple(SLIPS)
     most_steps: int = MOST_STEPS
     huge: str = "1e30"
@@ -73,6 +85,28 @@ class ExactContext:
     one_table: bool = False  # is table friction the same for both balls?
     other: ExactContext | None = None  # unequal masses: as this one (ball 2 pressed), for ball 1
     width: int = 1
+    slots: int = 1024  # collisions in a block of a batch
+    wave: int = 8  # vectors under way in a batch
+    batch: ExactContext | None = None  # the same in lanes
+
+    @property
+    def flight_fields(self) -> tuple[str, ...]:
+        """What a collision holds between two steps, as templates/exact/flight.j2 has it."""
+        start = ("v_n", "u_b", "u_s", "tolerance", "per_u_b")
+        state = (*self.slip_names, "q", "v", "work", "target", "rest", "h_cap", "tail_cap", "driven")
+        return (
+            *(f"start.{name}" for name in start),
+            *(f"at.{name}" for name in state),
+            *(f"at.k.{name}" for name in self.impulse_names),
+            "slot",
+            "turns",
+        )
+
+    @property
+    def aside_fields(self) -> tuple[str, ...]:
+        """The same for one that is put aside to stick."""
+        own = ("l_c", "rest_error", "at_rest")
+        return (*(f"flight.{name}" for name in self.flight_fields), *own)
 
     @property
     def table(self) -> bool:
@@ -106,12 +140,27 @@ class ExactContext:
     @property
     def landing_turns(self) -> int:
         """Newton iterations for the end on an interpolant; each gains two to four digits."""
-        return 1 if self.budget >= 1e-5 else 2 if self.budget >= 1e-7 else 4
+        return 2 if self.budget >= 1e-7 else 4
+
+    @property
+    def dense_landing(self) -> bool:
+        """Is the end taken on the dense interpolant, anywhere in a step? Else near its end alone."""
+        return self.budget < 1e-7
+
+    @property
+    def inside(self) -> float:
+        """How far before a step's end the cubic interpolant may end the collision."""
+        return 1.0 if self.dense_landing else 0.05 if self.budget < 1e-5 else 0.1
+
+    @property
+    def dense_crossing(self) -> bool:
+        """Is v_n = 0 found on the dense interpolant?"""
+        return self.budget < 3e-4
 
     @property
     def crossing_turns(self) -> int:
         """The same for v_n = 0, where the work is stationary: half the digits are enough."""
-        return 0 if self.budget >= 1e-5 else 1 if self.budget >= 1e-7 else 3
+        return 1 if self.budget >= 1e-7 else 3
 
     @property
     def interpolant(self) -> str:
@@ -120,8 +169,7 @@ class ExactContext:
         for n in reversed(range(len(self.tableau.dense))):
             inner = f"fma({text}, r{n + 5})" if text else f"r{n + 5}"
             text = f"{'t' if n % 2 else 'u'}, {inner}"
-        r4 = f"fma({text}, r4)" if text else "r4"
-        return f"t * fma(u, fma(t, {r4}, r3), whole)"
+        return f"t * fma(u, fma(t, fma({text}, near.r4), near.r3), near.whole)"
 
     @property
     def counts(self) -> OperationCounts:
@@ -157,13 +205,40 @@ def exact_context(
     """Decide everything that an exact kernel's templates show."""
     masses = masses_of(scene.mass_ratio)
     context = _pressed_context(variant, scene, terms, target, masses)
+    if variant.width > 1:
+        require_lanes(scene)
+        return replace(context, batch=_pressed_context(variant, scene, terms, target, masses, True))
     if masses.equal or not scene.table_friction or scene.level:
         return context
     return replace(context, other=_pressed_context(variant, scene, terms, target, masses.swapped()))
 
 
+def require_lanes(scene: Scene) -> None:
+    """InputError where a scene has no kernels of several lanes."""
+    reason = (
+        "no vertical slip: its closed form is one text for any number of lanes"
+        if scene.level
+        else "no table friction"
+        if not scene.table_friction
+        else f"precision {scene.precision}"
+        if scene.precision != "double"
+        else "unequal masses"
+        if not scene.equal_masses
+        else f"friction_law {scene.friction_law}"
+        if scene.friction_law == "alciatore"
+        else ""
+    )
+    if reason:
+        raise InputError(f"--scene {scene.name}: {reason}; expected width 1")
+
+
 def _pressed_context(
-    variant: Variant, scene: Scene, terms: ContactTerms, target: Target, masses: Masses
+    variant: Variant,
+    scene: Scene,
+    terms: ContactTerms,
+    target: Target,
+    masses: Masses,
+    lanes: bool = False,
 ) -> ExactContext:
     """As exact_context, for ball 2 pressed, or where the masses are swapped for ball 1."""
     assert variant.stepper.budget is not None
@@ -175,13 +250,13 @@ def _pressed_context(
     drive, recoil = changes[s.S2Y].coeff(s.DQ), -changes[s.S2X].coeff(s.D_X)
     k_z = float(changes[s.C_Z].coeff(s.D_Z))
     found, newton, text = _roots(variant, target, real)
-    ends = CollisionEnds(terms, masses_of(scene.mass_ratio), at_zero(scene), fma)
+    ends = CollisionEnds(terms, masses_of(scene.mass_ratio), at_zero(scene), fma, lanes)
     gains = real == "float"
     slips = SLIPS_BEFORE if table else ("c_x", "c_z", "v_n")
     resting = ("s2x", "s2y") if scene.object_ball == "rest" else ()
     if scene.level:
         slips = ("c_x", "v_n")
-    lowering = ExactLowering(terms, plan.tableau, fma, masses, table, gains)
+    lowering = ExactLowering(terms, plan.tableau, fma, masses, table, gains, lanes)
     return ExactContext(
         tableau=plan.tableau,
         control=plan.control,
@@ -197,10 +272,12 @@ def _pressed_context(
         relative=ends.relative("" if scene.bounded else "per_scale").lines,
         after=(ends.velocities() if table else ends.free_velocities()).lines,
         level=ends.level(),
-        slip_of={n: "0.0" if n in resting else n for n in ("s1x", "s1y", "s2x", "s2y")},
+        slip_of={n: ("real(0.0)" if lanes else "0.0") if n in resting else n for n in ("s1x", "s1y", "s2x", "s2y")},
         k_x=float(changes[s.C_X].coeff(s.D_X)),
         k_z=k_z,
         k_zt=float(changes[s.C_Z].coeff(s.T2Y)),
+        per_k_x=number(1 / changes[s.C_X].coeff(s.D_X)),
+        per_k_z=number(1 / changes[s.C_Z].coeff(s.D_Z)),
         drift_x=f"{_times(recoil, '-d_x')}",
         drift_y=f"fma(real({number(k_b)}), d_z, real({number(drive)}))",
         tail_s_x=f"fma(real({number(k_f)}), t_tail_x, {_times(recoil, '-d_tail_x')})",
@@ -209,14 +286,16 @@ def _pressed_context(
         tail_steps=lowering.tail().lines if table else (),
         extra_stages=lowering.extra_stages() if table else (),
         dense_work=lowering.dense(("t_y", "j")).lines if table else (),
-        dense_slips=lowering.dense(tuple(SLIPS)).lines if table else (),
+        dense_contact=lowering.dense(("d_x", "d_z", "t_x")).lines if table else (),
+        drift=lowering.drift().lines if table else (),
+        landed=lowering.landed().lines if table else (),
         k_xt=-float(changes[s.C_X].coeff(s.T2X)),
         k_f=float(k_f),
         approach_share=_times(changes[s.V_N].coeff(s.T2Y), ""),
         tail_t_x=_times(-changes[s.C_X].coeff(s.T2X), "t_tail_x"),
         tail_t_y=_times(changes[s.V_N].coeff(s.T2Y), "t_tail_y"),
         slip_names=tuple(SLIPS) if table else CONTACT,
-        rate_names=RATES if table else CONTACT,
+        impulse_names=tuple(IMPULSES) if table else RUBBING,
         tiny_move=1e-6 if gains else 4e-16,
         tiny_error=1e-36 if gains else 1e-72,
         no_friction=1e-9 if gains else 0.0,
@@ -224,4 +303,5 @@ def _pressed_context(
         gains=gains,
         scaled=not scene.bounded,
         one_table=scene.one_table,
+        width=variant.width if lanes else 1,
     )

@@ -139,7 +139,7 @@ class KernelContext:
     @property
     def batch(self) -> bool:
         """Are batches of collisions worked on in lanes?"""
-        return self.euler_batch is not None
+        return self.lanes is not None
 
     @property
     def u_b_free(self) -> bool:
@@ -347,6 +347,8 @@ def _exact(context: KernelContext, variant: Variant, target: Target) -> Operatio
     terms, scene = find_model(variant.model).terms, context.scene
     scene.require_budget(variant.stepper.budget or 0.0)
     context.exact = exact_context(variant, scene, terms, target)
+    if variant.width > 1:
+        context.lanes = _lanes(variant, target)
     context.lift = terms.lift
     context.core_template = "exact/single.j2"
     if not scene.table_friction:

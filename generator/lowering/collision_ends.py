@@ -58,7 +58,12 @@ class CollisionEnds:
     """Prints the parts before and after a collision for one contact model and scene."""
 
     def __init__(
-        self, terms: ContactTerms, masses: Masses, zero: Iterable[sp.Symbol], place_fma: bool
+        self,
+        terms: ContactTerms,
+        masses: Masses,
+        zero: Iterable[sp.Symbol],
+        place_fma: bool,
+        lanes: bool = False,
     ) -> None:
         self.terms = terms
         self.masses = masses
@@ -66,13 +71,19 @@ class CollisionEnds:
             v: sp.Integer(0) if v in set(zero) else sp.Symbol(f"b.{v.name}", real=True)
             for v in VELOCITIES
         }
-        self.printer = ExpressionPrinter(place_fma)
+        self.lanes = lanes
+        self.kind = "const Real" if lanes else KIND
+        self.printer = (
+            ExpressionPrinter(place_fma, fma_name="fma", number_format="real({})")
+            if lanes
+            else ExpressionPrinter(place_fma)
+        )
 
     def slips(self, only: Iterable[str]) -> Part:
         """The slips named, from the velocities before."""
         names = set(only)
         forms = [(n.name, form) for n, form in slips(self.terms).items() if n.name in names]
-        return self._part([Assign(n, form.subs(self.member), KIND) for n, form in forms])
+        return self._part([Assign(n, form.subs(self.member), self.kind) for n, form in forms])
 
     def relative(self, scale: str = "") -> Part:
         """The components of v1 - v2 (their signs do not matter)."""
@@ -80,7 +91,7 @@ class CollisionEnds:
         forms = [(f"along_{axis}", (two - one).subs(self.member)) for axis, one, two in axes]
         if scale:
             forms = [(name, form * sp.Symbol(scale, real=True)) for name, form in forms]
-        return self._part([Assign(name, form, KIND) for name, form in forms])
+        return self._part([Assign(name, form, self.kind) for name, form in forms])
 
     def velocities(self) -> Part:
         """Velocities after, from the impulse sums of a collision that presses one ball."""
@@ -118,15 +129,17 @@ class CollisionEnds:
             return ()
         share1 = lift_changes(2)[s.V1[2]].coeff(s.D_Z).subs(self.masses.values())
         share2 = -lift_changes(1)[s.V2[2]].coeff(s.D_Z).subs(self.masses.values())
-        up = self._times(share1, "(sum_dz > 0.0 ? sum_dz : 0.0)")
-        down = self._times(share2, "(sum_dz < 0.0 ? sum_dz : 0.0)")
+        positive, negative = "(sum_dz > 0.0 ? sum_dz : 0.0)", "(sum_dz < 0.0 ? sum_dz : 0.0)"
+        if self.lanes:
+            positive, negative = "max(sum_dz, real(0.0))", "min(sum_dz, real(0.0))"
+        up = self._times(share1, positive)
+        down = self._times(share2, negative)
         first = "" if self.member[s.V1[2]] == 0 else "b.v1z + "
         second = "-" if self.member[s.V2[2]] == 0 else "b.v2z - "
         return (f"b.v1z = {first}{up};", f"b.v2z = {second}{down};")
 
-    @staticmethod
-    def _times(share: sp.Expr, text: str) -> str:
-        return text if share == 1 else f"{number(share)} * {text}"
+    def _times(self, share: sp.Expr, text: str) -> str:
+        return text if share == 1 else f"{self.printer.print(share)} * {text}"
 
     def _lift_counts(self) -> OperationCounts:
         if not self.terms.lift:

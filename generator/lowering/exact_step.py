@@ -1,8 +1,9 @@
 """Lowering of the exact steppers: one adaptive Runge-Kutta step of the reduced system.
 
-The normal impulse q (divided by M, in m/s) is the independent variable and the slips are the state;
-SymPy gives their rates and, after the collision, the impulse sums. The tableau gives the stages.
-Everything is printed in the lane vocabulary.
+The normal impulse q (divided by M, in m/s) is the independent variable and the slips are the state.
+A stage adds up the friction impulses of the earlier ones, all that changes the slips beside q: SymPy
+gives the slips that follow from them, linearly, and after the collision the impulse sums. The
+tableau gives the stages. Everything is printed in the lane vocabulary.
 """
 
 from __future__ import annotations
@@ -16,17 +17,18 @@ import sympy as sp
 from generator.lowering.chains import unfolded
 from generator.lowering.counts import OperationCounts
 from generator.lowering.fixed_step import Part
-from generator.lowering.printer import ExpressionPrinter, Fma, Plus
+from generator.lowering.printer import ExpressionPrinter, Fma, Plus, number
 from generator.lowering.statements import Assign, lower
 from generator.mechanics import symbols as s
 from generator.mechanics.contact import ContactTerms
 from generator.mechanics.masses import EQUAL, Masses, pressed_changes
 from generator.steppers.tableaus import Tableau
 
-# The slips that a step carries, in the order of struct Slips, and what they are in the mechanics.
+# The slips that a step carries, in the order of struct Slips, and what they are in the mechanics;
+# the friction impulses that change them, in the order of struct Rates.
 SLIPS: dict[str, sp.Symbol] = {"c_x": s.C_X, "c_z": s.C_Z, "s_x": s.S2X, "s_y": s.S2Y}
-CONTACT = ("c_x", "c_z")  # all that a step carries where there is no table friction
-RATES = (*SLIPS, "t_y")  # rates also hold what table friction along y adds to that of v_n
+IMPULSES: dict[str, sp.Symbol] = {"d_x": s.D_X, "d_z": s.D_Z, "t_x": s.T2X, "t_y": s.T2Y}
+CONTACT, RUBBING = ("c_x", "c_z"), ("d_x", "d_z")  # all there is where there is no table friction
 KIND = "const Real"
 H = sp.Symbol("h", real=True)
 EMPTY = Part((), OperationCounts())
@@ -40,12 +42,12 @@ def _symbol(name: str) -> sp.Symbol:
 class ExactStep:
     """The parts of one step, printed."""
 
-    rates: Part  # rates of the slips from the slips and the inverse lengths i_c, i_s
+    rates: Part  # impulses of friction for `pace` of q, from the slips and inverse lengths i_c, i_s
     stages: tuple[Part, ...]
     error: Part
-    step: Part  # table friction's share of v_n and of the work
-    gains: Part  # what a step adds to the slips, where they are too coarse to be subtracted
+    work: Part  # table friction's work over the step
     sums: Part  # impulse sums from the changes of the slips
+    sums_of_slips: Part  # the same where the state is gone and its slips and q are left
     counts: OperationCounts  # of one step, without the roots and the control
 
 
@@ -55,7 +57,8 @@ class ExactLowering:
     Ball 2 is the pressed one: with sigma = -1 for a pressed ball 1, the slips s, the table
     increments t, c_z and d_z times sigma obey the same system, with the masses in each other's
     place. Without a table only the contact slip is carried. `gains`: slips are carried in float, so
-    that what they have changed by is added up beside them.
+    that impulses are added up beside them. `lanes`: as few operations as there can be; else the
+    chain from a stage to the next is kept short, at the cost of a few more.
     """
 
     def __init__(
@@ -66,39 +69,43 @@ class ExactLowering:
         masses: Masses = EQUAL,
         table: bool = True,
         gains: bool = False,
+        lanes: bool = False,
     ) -> None:
         self.terms = terms
         self.tableau = tableau
         self.place_fma = place_fma
         self.table = table
         self.gains = gains
+        self.lanes = lanes
         self.slips = SLIPS if table else {name: SLIPS[name] for name in CONTACT}
+        self.impulses = IMPULSES if table else {name: IMPULSES[name] for name in RUBBING}
         self.printer = ExpressionPrinter(place_fma, fma_name="fma", number_format="real({})")
         self.changes = pressed_changes(terms, masses)
 
     def parts(self) -> ExactStep:
         rates = self._rates()
         stages = tuple(self._stage(i, rates.counts) for i in range(1, self.tableau.stages))
-        error, step = self._error(), self._step()
-        total = error.counts + step.counts
+        error, work = self._error(), self._work()
+        total = error.counts + work.counts
         for stage in stages:
             total = total + stage.counts
-        gains = self._gains() if self.gains else Part((), OperationCounts())
-        total = total + gains.counts + self._laid_out()
-        return ExactStep(rates, stages, error, step, gains, self._sums(), total)
+        total = total + self._laid_out()
+        sums = self._sums("at.q"), self._sums("q")
+        return ExactStep(rates, stages, error, work, *sums, total)
 
     def _laid_out(self) -> OperationCounts:
         """What templates/exact lays out around the printed parts of a step.
 
-        Squares of slips, the pace and the first rates of a clustered step, the size of the error.
+        Squares of slips, the pace and the first impulses of a clustered step, the size of the error.
         """
         added = OperationCounts(fma=1) if self.place_fma else OperationCounts(add=1, mul=1)
         evaluations = self.tableau.stages - 1
         if self.table:
             total = (added * 4 + OperationCounts(mul=1)) * evaluations
-            total = total + OperationCounts(add=2, mul=11, div=1)
+            total = total + OperationCounts(add=2, mul=7, div=1)
         else:
-            total = added * (2 * evaluations + 1) + OperationCounts(mul=4)
+            total = (added * 2 + OperationCounts(mul=1)) * evaluations
+            total = total + added + OperationCounts(mul=6, div=1)
         if self.tableau.second:
             joint = OperationCounts(add=1, mul=2, div=1, sqrt=1) + added
             total = total + joint * (4 if self.table else 2)
@@ -111,62 +118,139 @@ class ExactLowering:
 
         p = -u_b c is contact friction times |c|, z = -u_s p_z s table friction times |c| |s|.
         """
-        p_x, p_z, z_x, z_y, i_c, i_cs = (
-            _symbol(n) for n in ["p_x", "p_z", "z_x", "z_y", "i_c", "i_cs"]
-        )
-        u_b = _symbol("u_b" if self.table else "start.u_b")
-        u_s = _symbol("start.u_s")
+        p_z, i_c = _symbol("p_z"), _symbol("i_c")
         slips = {name: _symbol(f"at.{name}") for name in self.slips}
         assigns = [
-            Assign("p_x", -u_b * slips["c_x"], KIND),
-            Assign("p_z", -u_b * slips["c_z"], KIND),
+            Assign("p_x", -_symbol("u_b") * slips["c_x"], KIND),
+            Assign("p_z", -_symbol("u_b") * slips["c_z"], KIND),
         ]
         if self.table:
             assigns += [
-                Assign("g", -u_s * p_z, KIND),
+                Assign("g", -_symbol("start.u_s") * p_z, KIND),
                 Assign("z_x", _symbol("g") * slips["s_x"], KIND),
                 Assign("z_y", _symbol("g") * slips["s_y"], KIND),
                 Assign("i_cs", i_c * _symbol("i_s"), KIND),
             ]
-        for name, slip in self.slips.items():
-            change = self.changes[slip]
-            contact = change.coeff(s.D_X) * p_x + change.coeff(s.D_Z) * p_z
-            table = change.coeff(s.T2X) * z_x + change.coeff(s.T2Y) * z_y
-            fixed = change.coeff(s.DQ) * (_symbol("pace") if self.table else 1)
-            value = self._add(i_c, contact, fixed) if fixed != 0 else i_c * contact
-            if self.table:
-                value = self._add(i_cs, table, value)
-            assigns.append(Assign(f"r_{name}", value, KIND))
+        assigns += [Assign(f"r_d_{axis}", i_c * _symbol(f"p_{axis}"), KIND) for axis in "xz"]
         if self.table:
-            approach = self.changes[s.V_N].coeff(s.T2Y)
-            assigns.append(Assign("r_t_y", approach * i_cs * z_y, KIND))
+            i_cs = _symbol("i_cs")
+            assigns += [Assign(f"r_t_{axis}", i_cs * _symbol(f"z_{axis}"), KIND) for axis in "xy"]
         return self._part(assigns)
+
+    # -- what impulses change --
+
+    def _moved(self, slip: str, base: sp.Expr, impulse: str, q: sp.Expr | None) -> sp.Expr:
+        """base + the change of a slip by the impulses named `impulse` + name, and by q."""
+        change = self.changes[SLIPS[slip]]
+        terms = [(change.coeff(s.DQ), q)] if q is not None else []
+        terms += [(change.coeff(of), _symbol(impulse + name)) for name, of in self.impulses.items()]
+        total = base
+        for weight, value in terms:
+            if weight == 0:
+                continue
+            if total == 0:
+                total = weight * value
+            else:
+                total = Plus(total, value) if weight == 1 else self._add(weight, value, total)
+        return total
+
+    def drift(self) -> Part:
+        """b, the rate of change of the table slip at the start of a step."""
+        names = (("b_x", "s_x"), ("b_y", "s_y"))
+        one = sp.Integer(1)
+        forms = [(b, self._moved(slip, sp.Integer(0), "at.k.", one)) for b, slip in names]
+        return self._part([Assign(b, form, KIND) for b, form in forms])
+
+    def landed(self) -> Part:
+        """What the slips change by in a part of a step: from part_d_x, ..., and dq."""
+        return self._part(
+            [
+                Assign(f"part_{n}", self._moved(n, sp.Integer(0), "part_", _symbol("dq")), KIND)
+                for n in self.slips
+            ]
+        )
 
     # -- stages --
 
     def _stage(self, i: int, rates: OperationCounts) -> Part:
-        """Slips at stage i, and the rates there by `rates_at`."""
+        """Slips at stage i, and the impulses there by `rates_at`."""
         row = self.tableau.rows[i]
         last = max(j for j, w in enumerate(row) if w != 0)
-        reach = _symbol(f"h{i}")
-        assigns = [Assign(reach.name, _rational(row[last]) * H, KIND)]
+        whole = self.lanes or i == self.tableau.stages - 1
+        split = not self.lanes
+        assigns = [*self._reached(i)]
+        early = f"m{i}_" if split and last > 0 else ""
+        if early:
+            assigns += self._sums_of_rates(row[:last], early)
+        if not split or whole or (self.table and self._counts_power(i)):
+            names = tuple(self.impulses) if whole else ("t_y",)
+            assigns += self._sums_of_rates(row, f"sum{i}_", names)
+        q = self._q(i)
         for name in self.slips:
-            early = [(w, _rate(j, name)) for j, w in enumerate(row[:last]) if w != 0]
             start = _symbol(f"at.{name}")
-            ready = self._add(H, _ordered_sum(early, self.place_fma), start) if early else start
-            assigns.append(Assign(f"{name}{i}", self._add(reach, _rate(last, name), ready), KIND))
+            if split:
+                base = self._moved(name, start, early, q) if early else self._moved_by_q(name, q)
+                value = self._moved_by_last(name, base, row[last], last)
+            else:
+                value = self._moved(name, start, f"sum{i}_", q)
+            assigns.append(Assign(f"{name}{i}", value, KIND))
         part = self._part(assigns)
-        slips = ", ".join(f"{name}{i}" for name in self.slips)
-        state = f"const Slips y{i} = {{{slips}}};"
+        state = f"const Slips y{i} = {{{', '.join(f'{name}{i}' for name in self.slips)}}};"
         if not self.table:
-            call = f"const Rates k{i} = rates_at(start, y{i});"
+            call = f"const Rates k{i} = rates_at(start, y{i}, h);"
             return Part((*part.lines, state, call), part.counts + rates)
-        pace = self._add(_symbol("cluster"), _rational(1 - 2 * self.tableau.c[i]), sp.Integer(1))
+        pace = self._add(_rational(1 - 2 * self.tableau.c[i]), _symbol("h_cluster"), H)
         paced = self._part([Assign(f"pace{i}", pace, KIND)])
         call = f"const Rates k{i} = rates_at(start, y{i}, pace{i});"
         speed = self._speed(i) if self._counts_power(i) else EMPTY
         lines = (*part.lines, state, *paced.lines, call, *speed.lines)
         return Part(lines, part.counts + rates + paced.counts + speed.counts)
+
+    def _sums_of_rates(
+        self, row: Sequence[Fraction], prefix: str, names: Sequence[str] = ()
+    ) -> list[Assign]:
+        """The impulses of a row of weights, as prefix + name."""
+        return [
+            Assign(
+                prefix + name,
+                _ordered_sum([(w, _rate(j, name)) for j, w in enumerate(row) if w], self.place_fma),
+                KIND,
+            )
+            for name in names or self.impulses
+        ]
+
+    def _bend(self, i: int) -> Fraction:
+        """What clustered stages add to q at stage i, over h_cluster."""
+        c, row = self.tableau.c, self.tableau.rows[i]
+        return sum((w * (1 - 2 * c[j]) for j, w in enumerate(row)), Fraction(0))
+
+    def _reached(self, i: int) -> list[Assign]:
+        """q at stage i from the start of the step, where it is not the whole."""
+        if self._q(i) == H:
+            return []
+        value = _rational(self.tableau.c[i]) * H
+        if self.table and self._bend(i):
+            value = self._add(_rational(self._bend(i)), _symbol("h_cluster"), value)
+        return [Assign(f"q{i}", value, KIND)]
+
+    def _q(self, i: int) -> sp.Symbol:
+        straight = not self.table or self._bend(i) == 0
+        return H if self.tableau.c[i] == 1 and straight else _symbol(f"q{i}")
+
+    def _moved_by_q(self, slip: str, q: sp.Symbol) -> sp.Expr:
+        weight, start = self.changes[SLIPS[slip]].coeff(s.DQ), _symbol(f"at.{slip}")
+        if weight == 0:
+            return start
+        return Plus(start, q) if weight == 1 else self._add(weight, q, start)
+
+    def _moved_by_last(self, slip: str, base: sp.Expr, weight: Fraction, stage: int) -> sp.Expr:
+        """The latest impulses last, since they are known last."""
+        change, total = self.changes[SLIPS[slip]], base
+        for name, of in self.impulses.items():
+            share = change.coeff(of) * _rational(weight)
+            if share != 0:
+                total = self._add(share, _rate(stage, name), total)
+        return total
 
     def _counts_power(self, i: int) -> bool:
         """Does the power of table friction at stage i enter the work or an interpolant?"""
@@ -174,14 +258,11 @@ class ExactLowering:
         return i == self.tableau.stages - 1 or any(i < len(row) and row[i] != 0 for row in rows)
 
     def _speed(self, i: int) -> Part:
-        """Approach velocity at stage i, and the power of table friction j = v t_y there."""
-        weights = [(w, _rate(j, "t_y")) for j, w in enumerate(self.tableau.rows[i]) if w != 0]
-        c = self.tableau.c
-        driven = self._add(2 * _rational(c[i]), H, _symbol("v0"))
-        bent = sum((w * (1 - 2 * c[j]) for j, w in enumerate(self.tableau.rows[i])), Fraction(0))
-        if bent:
-            driven = self._add(2 * _rational(bent), _symbol("h_cluster"), driven)
-        value = self._add(H, _ordered_sum(weights, self.place_fma), driven)
+        """Approach velocity at stage i, and the work of table friction j = v t_y there."""
+        driven = self._add(sp.Integer(2), self._q(i), _symbol("v0"))
+        approach = self.changes[s.V_N].coeff(s.T2Y)
+        rubbed = _symbol(f"sum{i}_t_y")
+        value = Plus(driven, rubbed) if approach == 1 else self._add(approach, rubbed, driven)
         power = _symbol(f"v{i}") * _rate(i, "t_y")
         return self._part([Assign(f"v{i}", value, KIND), Assign(f"j{i}", power, KIND)])
 
@@ -198,37 +279,23 @@ class ExactLowering:
         return tuple(self._stage(i, counts) for i in range(self.tableau.stages, total))
 
     def _error(self) -> Part:
-        """Difference to the embedded method per unit of h, as impulse sums."""
+        """Difference to the embedded method, in impulses."""
         if not self.tableau.second:
-            return self._difference(self.tableau.error, "e")
-        fine, coarse = (
-            self._difference(row, f"e{order}")
-            for row, order in ((self.tableau.error, 5), (self.tableau.second_error, 3))
-        )
-        names = ("d_x", "d_z", "t_x", "t_y") if self.table else ("d_x", "d_z")
-        joint = tuple(f"{KIND} e_{n} = joint_error(e5_{n}, e3_{n});" for n in names)
+            return self._part(self._sums_of_rates(self.tableau.error, "e_"))
+        fine = self._part(self._sums_of_rates(self.tableau.error, "e5_"))
+        coarse = self._part(self._sums_of_rates(self.tableau.second_error, "e3_"))
+        joint = tuple(f"{KIND} e_{n} = joint_error(e5_{n}, e3_{n});" for n in self.impulses)
         return Part((*fine.lines, *coarse.lines, *joint), fine.counts + coarse.counts)
 
-    def _difference(self, row: Sequence[Fraction], prefix: str) -> Part:
-        """A weighted sum of the rates, as the impulse sums that would change the slips so."""
-        assigns = []
-        for name in self.slips:
-            weights = [(w, _rate(j, name)) for j, w in enumerate(row) if w != 0]
-            assigns.append(Assign(f"{prefix}_{name}", _ordered_sum(weights, self.place_fma), KIND))
-        deltas = {name: _symbol(f"{prefix}_{name}") for name in self.slips}
-        for name, form in self._solved(deltas, sp.Integer(0)).items():
-            assigns.append(Assign(f"{prefix}_{name}", form, KIND))
-        return self._part(assigns)
-
-    def _step(self) -> Part:
-        """Mean power of table friction over the step: it changes the square of v_n."""
+    def _work(self) -> Part:
+        """Work of table friction over the step: it changes the square of v_n."""
         if not self.table:
-            return Part((), OperationCounts())
+            return EMPTY
         weights = [(w, _symbol(f"j{j}")) for j, w in enumerate(self.tableau.b) if w != 0]
-        return self._part([Assign("j_mean", _ordered_sum(weights, self.place_fma), KIND)])
+        return self._part([Assign("j_sum", _ordered_sum(weights, self.place_fma), KIND)])
 
     def dense(self, names: Sequence[str]) -> Part:
-        """Coefficients of the interpolant beyond the cubic, per h: r<n>_<name> for each name."""
+        """Coefficients of the interpolant beyond the cubic: r<n>_<name> for each name."""
         assigns = []
         for n, row in enumerate(self.tableau.dense):
             for name in names:
@@ -241,24 +308,18 @@ class ExactLowering:
                 assigns.append(Assign(f"r{n}_{name}", value, KIND))
         return self._part(assigns)
 
-    def _gains(self) -> Part:
-        """What the step adds to each slip, made apart: a sum with the slip would round it."""
-        assigns = []
-        for name in self.slips:
-            weights = [(w, _rate(j, name)) for j, w in enumerate(self.tableau.b) if w != 0]
-            assigns.append(Assign(f"mean_{name}", _ordered_sum(weights, self.place_fma), KIND))
-        return self._part(assigns)
+    # -- after the collision --
 
-    def _sums(self) -> Part:
-        """Impulse sums of the whole collision from the changes of the slips."""
+    def _sums(self, q: str) -> Part:
+        """Impulse sums of the whole collision: added up, or from the changes of the slips."""
+        if self.gains:
+            return self._part([Assign(n, _symbol(f"at.gain_{n}"), KIND) for n in self.impulses])
         assigns = [
-            Assign(f"delta_{n}", _symbol(f"at.{n}") - _symbol(f"start.{n}"), KIND)
+            Assign(f"delta_{n}", _symbol(f"at.{n}") - _symbol(f"slips.{n}"), KIND)
             for n in self.slips
-            if not self.gains
         ]
-        prefix = "at.gain_" if self.gains else "delta_"
-        deltas = {name: _symbol(f"{prefix}{name}") for name in self.slips}
-        for name, form in self._solved(deltas, _symbol("at.q")).items():
+        deltas = {name: _symbol(f"delta_{name}") for name in self.slips}
+        for name, form in self._solved(deltas, _symbol(q)).items():
             assigns.append(Assign(name, form, KIND))
         return self._part(assigns)
 
@@ -284,8 +345,8 @@ class ExactLowering:
             block = self._part(moves)
             values = ", ".join(f"z{i}_{part}" for part in parts)
             left = 1 - tableau.c[i]
-            number = self.printer.print(_rational(left))
-            rates = f"tail_rates(start, from, z{i}, {number})"  # all are zero at the end
+            # All are zero at the end.
+            rates = f"tail_rates(start, at, s_x0, s_y0, z{i}, {number(_rational(left))})"
             if left > 0 or i == tableau.stages - 1:
                 lines += [*block.lines, f"const Tail z{i} = {{{values}}};"]
             if left > 0:

@@ -24,6 +24,7 @@ class StepControl:
     passage: float  # error that one passage of the table slip by zero may make, in tolerances
     depart: float  # error that the first step from rest may make, in tolerances
     tail: float  # weight of the error of the step into sticking
+    safe: float = 0.7  # share of the tolerance that errors are aimed at
     contact_reach: float = 0.7  # without a table: share of the contact slip that a step may remove
     top_passage: float = 0.1  # share of `passage` where the table drives its slip away from zero
     top_depart: float = 0.01  # share of `depart` there
@@ -40,18 +41,19 @@ class BudgetPlan:
 
 # Loosest budget first; a plan serves every budget down to its own `budget`.
 _PLANS: tuple[tuple[float, str, StepControl], ...] = (
-    (1e-3, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0, top_passage=0.01)),
-    (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=0.01)),
-    (1e-7, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=0.01)),
+    (1e-3, "ss43", StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
+    (9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
+    (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
+    (1e-7, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=1e-4, top_depart=1e-4)),
     (
         1e-10,
         "dop853",
-        StepControl(0.4, 3.0, 5.0, 0.05, 0.1, 10.0, top_passage=0.003, top_depart=3e-4),
+        StepControl(0.25, 3.0, 5.0, 0.05, 0.1, 10.0, top_passage=1e-8, top_depart=1e-7),
     ),
     (
         TIGHTEST,
         "dop853",
-        StepControl(0.15, 3.0, 4.0, 0.05, 0.01, 30.0, top_passage=0.003, top_depart=1e-5),
+        StepControl(0.15, 3.0, 4.0, 0.05, 0.01, 30.0, top_passage=1e-9, top_depart=1e-9),
     ),
 )
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from kernels import EULER, build_all, compiler_of
 
+from generator.steppers.budgets import tableaus_for
 from generator.targets.host import read_host
 from generator.targets.target import Target, find_target
 from generator.timing.bench_tool import ROOT
@@ -24,7 +25,6 @@ from generator.verification.reference import MODELS as MODELS
 HARD = ROOT / "tests" / "data" / "hard_cases.csv"
 BUDGETS = (1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 COMPILERS = ("gcc", "clang")
-TABLEAU = "dp54"
 R, M = 0.028575, 0.170097  # of the tests' own shots
 
 
@@ -52,7 +52,7 @@ def exact_variant(
 ) -> Variant:
     """The kernel for a budget, with the cheapest legal root where none is named."""
     target = target or portable_target()
-    stepper = Stepper(TABLEAU, budget=budget)
+    stepper = Stepper(tableaus_for(budget)[0], budget=budget)
     fma = "fma" if target.has("fma") else "nofma"
     for choice in (root,) if root else roots_for(budget):
         options = {"root": choice, "fma": fma, "compiler": compiler}
@@ -109,6 +109,21 @@ def keep_hard(found: Sequence[tuple[str, Array]]) -> int:
     return len(new)
 
 
+def rounding_of(cases: Array) -> Array:
+    """What the rounding of speeds alone makes of a result, relative to |v1 - v2|.
+
+    Four units in the last place of the fastest speed of a case (of v or R w): where balls are much
+    faster than they approach, no kernel whose input and output are doubles can be surely nearer.
+    The exact result itself moves by as much when a speed changes by its last bit (`conditioning`).
+    """
+    speeds = np.abs(cases[:, [*range(9, 12), *range(18, 21)]])
+    spins = np.abs(cases[:, [*range(12, 15), *range(21, 24)]]) * cases[:, :1]
+    fastest = np.maximum(speeds.max(axis=1), spins.max(axis=1))
+    approach = np.linalg.norm(cases[:, 9:12] - cases[:, 18:21], axis=1)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return np.where(approach > 0, 4 * 2.0**-52 * fastest / approach, np.inf)
+
+
 @dataclass
 class Worst:
     """The largest relative errors of a kernel, over all and by kind, as cases come by."""
@@ -128,15 +143,16 @@ class Worst:
         relative = errors_of(cases, got, expected).relative
         status = got[:, STATUS] != expected[:, STATUS]
         relative = np.where(status, np.inf, relative)
+        allowed = np.maximum(self.budget, rounding_of(cases))
         self.count += len(cases)
         self.wrong_status += int(status.sum())
-        self.over += int((relative > self.budget).sum())
+        self.over += int((relative > allowed).sum())
         names = np.array(kinds)
         for kind in dict.fromkeys(kinds):
             rows = np.flatnonzero(names == kind)
             row = rows[np.argmax(relative[rows])]
             most, over, case = self.by_kind.get(kind, (-1.0, 0, cases[row]))
-            over += int((relative[rows] > self.budget).sum())
+            over += int((relative[rows] > allowed[rows]).sum())
             if relative[row] > most:
                 most, case = float(relative[row]), cases[row].copy()
             self.by_kind[kind] = (most, over, case)
@@ -144,7 +160,7 @@ class Worst:
 
     @property
     def passed(self) -> bool:
-        return self.count > 0 and self.over == 0 and self.error <= self.budget
+        return self.count > 0 and self.over == 0 and self.wrong_status == 0
 
     def failing(self) -> list[tuple[str, Array]]:
         """The worst case of each kind that is over the budget."""
