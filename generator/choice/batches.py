@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from generator.choice.candidates import batch_candidates
-from generator.choice.choose import Choice, choose_by_model, choose_by_time
+from generator.choice.choose import Choice, choose_by_model, choose_by_time, choose_first
 from generator.choice.job import STEPS
 from generator.choice.modelling import model_all
 from generator.choice.store import key_of
@@ -48,6 +48,10 @@ def batch_job(
             return None
     if runs_here and host.target.name == target.name and host.exact:
         return candidates, candidates[0], choose_by_time(wide, run, host.target.name)
+    if single.variant.stepper.family == "exact":
+        # How many passes their lanes take is known where they run alone: here, if anywhere.
+        chosen = choose_by_time(wide, run, host.target.name) if runs_here else None
+        return candidates, candidates[0], chosen or choose_first(wide, target.name)
     model_all(bench, candidates[:2], target, bench.timing_cases(scene, model))
     for candidate in wide:
         if not candidate.rejected:

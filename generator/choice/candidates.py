@@ -93,7 +93,7 @@ def exact_candidates(
 def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
     """Legal variants whose batches go in lanes and whose single calls are as chosen."""
     if single.stepper.family != "euler":
-        return []
+        return _exact_batches(single, target, compilers)
     widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
     roots = ("est2",) if target.has("neon") else ("est1", "cubic")
     ways = [(widest, root, *way) for root in roots for way in _LANES]
@@ -105,6 +105,21 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
         for compiler in compilers
         if compiler != "clangold"
         for width, root, finished, interleave in ways
+    ]
+    return [v for v in found if broken_rule(v, target) is None]
+
+
+def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
+    """The chosen exact kernel in the widest lanes; narrower ones for comparison."""
+    if find_scene(single.scene).without_lanes:
+        return []
+    widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
+    ways = [(widest, "i1"), (widest, "i2"), *((width, "i2") for width in narrower[:1])]
+    found = [
+        single.in_lanes(width, interleave=interleave, compiler=compiler)
+        for compiler in compilers
+        if compiler != "clangold"
+        for width, interleave in ways
     ]
     return [v for v in found if broken_rule(v, target) is None]
 

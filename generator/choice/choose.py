@@ -20,7 +20,7 @@ class Choice:
 
     chosen: Candidate
     ties: tuple[str, ...]
-    by: str  # "timing" or "llvm-mca"
+    by: str  # "timing", "llvm-mca" or "default"
     measured_on: str
 
 
@@ -63,6 +63,12 @@ def choose_by_model(candidates: Sequence[Candidate], cpu: str) -> Choice:
     return Choice(_preferred(tied), tuple(c.name for c in tied), "llvm-mca", cpu)
 
 
+def choose_first(candidates: Sequence[Candidate], cpu: str) -> Choice:
+    """Where neither can be had: the first listed of those that hold."""
+    chosen = _eligible(candidates)[0]
+    return Choice(chosen, (chosen.name,), "default", cpu)
+
+
 def _cycles(candidate: Candidate) -> float:
     assert candidate.modelled is not None
     return candidate.modelled.cycles
@@ -76,7 +82,7 @@ def selected(choice: Choice, baseline: Candidate) -> Selected:
         ratio = round(chosen.timing.ratio, 4)
         low, high = chosen.timing.ratio_ci
         interval = (round(low, 4), round(high, 4))
-    elif baseline.modelled is not None:
+    elif choice.by == "llvm-mca" and baseline.modelled is not None:
         ratio = round(_cycles(chosen) / _cycles(baseline), 4)
     assert chosen.verdict is not None
     return Selected(

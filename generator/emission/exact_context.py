@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from generator.errors import InputError
 from generator.emission.isa import Estimate, estimate, float_estimate
+from generator.errors import InputError
 from generator.lowering.collision_ends import CollisionEnds, LevelForms, at_zero
 from generator.lowering.counts import OperationCounts
 from generator.lowering.exact_step import (
@@ -93,7 +93,17 @@ class ExactContext:
     def flight_fields(self) -> tuple[str, ...]:
         """What a collision holds between two steps, as templates/exact/flight.j2 has it."""
         start = ("v_n", "u_b", "u_s", "tolerance", "per_u_b")
-        state = (*self.slip_names, "q", "v", "work", "target", "rest", "h_cap", "tail_cap", "driven")
+        state = (
+            *self.slip_names,
+            "q",
+            "v",
+            "work",
+            "target",
+            "rest",
+            "h_cap",
+            "tail_cap",
+            "driven",
+        )
         return (
             *(f"start.{name}" for name in start),
             *(f"at.{name}" for name in state),
@@ -144,7 +154,7 @@ class ExactContext:
 
     @property
     def dense_landing(self) -> bool:
-        """Is the end taken on the dense interpolant, anywhere in a step? Else near its end alone."""
+        """Is the end taken anywhere in a step, on its dense interpolant? Else near its end."""
         return self.budget < 1e-7
 
     @property
@@ -215,19 +225,7 @@ def exact_context(
 
 def require_lanes(scene: Scene) -> None:
     """InputError where a scene has no kernels of several lanes."""
-    reason = (
-        "no vertical slip: its closed form is one text for any number of lanes"
-        if scene.level
-        else "no table friction"
-        if not scene.table_friction
-        else f"precision {scene.precision}"
-        if scene.precision != "double"
-        else "unequal masses"
-        if not scene.equal_masses
-        else f"friction_law {scene.friction_law}"
-        if scene.friction_law == "alciatore"
-        else ""
-    )
+    reason = scene.without_lanes
     if reason:
         raise InputError(f"--scene {scene.name}: {reason}; expected width 1")
 
@@ -272,7 +270,10 @@ def _pressed_context(
         relative=ends.relative("" if scene.bounded else "per_scale").lines,
         after=(ends.velocities() if table else ends.free_velocities()).lines,
         level=ends.level(),
-        slip_of={n: ("real(0.0)" if lanes else "0.0") if n in resting else n for n in ("s1x", "s1y", "s2x", "s2y")},
+        slip_of={
+            n: ("real(0.0)" if lanes else "0.0") if n in resting else n
+            for n in ("s1x", "s1y", "s2x", "s2y")
+        },
         k_x=float(changes[s.C_X].coeff(s.D_X)),
         k_z=k_z,
         k_zt=float(changes[s.C_Z].coeff(s.T2Y)),

@@ -1,7 +1,7 @@
 """Lowering of the exact steppers: one adaptive Runge-Kutta step of the reduced system.
 
 The normal impulse q (divided by M, in m/s) is the independent variable and the slips are the state.
-A stage adds up the friction impulses of the earlier ones, all that changes the slips beside q: SymPy
+A stage adds up the friction impulses of the earlier ones, which change the slips beside q: SymPy
 gives the slips that follow from them, linearly, and after the collision the impulse sums. The
 tableau gives the stages. Everything is printed in the lane vocabulary.
 """
@@ -96,16 +96,16 @@ class ExactLowering:
     def _laid_out(self) -> OperationCounts:
         """What templates/exact lays out around the printed parts of a step.
 
-        Squares of slips, the pace and the first impulses of a clustered step, the size of the error.
+        Squares of slips, the pace and first impulses of a clustered step, the size of the error.
         """
         added = OperationCounts(fma=1) if self.place_fma else OperationCounts(add=1, mul=1)
         evaluations = self.tableau.stages - 1
         if self.table:
             total = (added * 4 + OperationCounts(mul=1)) * evaluations
-            total = total + OperationCounts(add=2, mul=7, div=1)
+            total = total + OperationCounts(add=2, mul=12, div=1)
         else:
             total = (added * 2 + OperationCounts(mul=1)) * evaluations
-            total = total + added + OperationCounts(mul=6, div=1)
+            total = total + added + OperationCounts(mul=7, div=1)
         if self.tableau.second:
             joint = OperationCounts(add=1, mul=2, div=1, sqrt=1) + added
             total = total + joint * (4 if self.table else 2)

@@ -173,6 +173,19 @@ class Scene(BaseModel):
         return self.equal_masses and self.precision == "double"
 
     @property
+    def without_lanes(self) -> str:
+        """Why exact kernels of the scene have one lane alone; empty where they may have more."""
+        if self.level:
+            return "no vertical slip: its closed form has no lanes to fill"
+        if not self.table_friction:
+            return "no table friction"
+        if self.precision != "double":
+            return f"precision {self.precision}"
+        if not self.equal_masses:
+            return "unequal masses"
+        return "" if self.friction_law == "given" else f"friction_law {self.friction_law}"
+
+    @property
     def unrestricted(self) -> bool:
         """Is every case of the envelope of real use a case of this scene?"""
         plain = Scene(name=self.name, text=self.text, model=self.model, max_error=self.max_error)

@@ -41,7 +41,11 @@ class BudgetPlan:
 
 # Loosest budget first; a plan serves every budget down to its own `budget`.
 _PLANS: tuple[tuple[float, str, StepControl], ...] = (
-    (1e-3, "ss43", StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
+    (
+        1e-3,
+        "ss43",
+        StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0, top_passage=1e-4, top_depart=1e-4),
+    ),
     (9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
     (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
     (1e-7, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=1e-4, top_depart=1e-4)),
