@@ -38,6 +38,7 @@ VERIFY_SEED = 20141
 VERIFY_RANDOM = 5000
 TIMING_SEED = 7735
 TIMING_CASES = 4096
+_TEXTS = 256  # that are kept in memory
 # A batch has one R, M, u_s and e_b: those of a pool table.
 BATCH_PARAMETERS = {"R": 0.028575, "M": 0.170097, "u_s1": 0.2, "u_s2": 0.2, "e_b": 0.95}
 
@@ -120,6 +121,8 @@ class Workbench:
             self.progress("deriving and emitting", index, len(variants))
             key = source_name_of(variant)
             if key not in self._texts:
+                if len(self._texts) >= _TEXTS:
+                    del self._texts[next(iter(self._texts))]
                 self._texts[key] = emit(variant)
             compiler = self.compilers[variant["compiler"]]
             flags = compile_flags(variant, compiler, target)

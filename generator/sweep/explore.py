@@ -11,7 +11,7 @@ from generator.choice.workbench import Candidate
 from generator.errors import EmissionError, KernelError
 from generator.sweep.figures import errors_of, times_of
 from generator.sweep.lab import Lab
-from generator.sweep.ladder import RUNGS, Entry, by_ratio, promoted
+from generator.sweep.ladder import RUNGS, Entry, by_ratio, eligible, promoted
 from generator.sweep.ledger import Ledger, candidate_hash, source_hash
 from generator.sweep.record import Depends, Rejection, Trial
 from generator.sweep.search import Search
@@ -22,6 +22,7 @@ from generator.variants.names import name_of
 from generator.variants.variant import Variant
 
 WAVE = 8
+_CANDIDATES = 256  # that are kept in memory, each with its text
 TRIAL_SECONDS = 20.0  # a timing ends then, whatever its rounds
 
 
@@ -69,6 +70,7 @@ class Exploration:
     tried: int = 0  # new trials on the lowest rung
     complete: bool = False  # the search had nothing left to propose
     _candidates: dict[str, Candidate] = field(default_factory=dict)
+    _best: Entry | None = None
 
     def run(self) -> None:
         """Waves until the search has nothing left or the budget is used up."""
@@ -85,16 +87,23 @@ class Exploration:
         """What may be chosen, fastest first."""
         return by_ratio(list(self.entries.values()))
 
-    def built(self, entries: Sequence[Entry]) -> list[Candidate]:
-        """Their candidates with libraries, which an earlier run may have left out or lost."""
+    def built(self, entries: Sequence[Entry]) -> list[tuple[Entry, Candidate]]:
+        """Those with a library, which is made again where it was lost; what fails now is out."""
         candidates = [self._candidate(e.variant) for e in entries]
+        lost: set[str] = set()
         for candidate, rejection in self.lab.build([c for c in candidates if c.library is None]):
             if rejection is not None:
-                raise KernelError(
-                    f"{candidate.name} was built and verified before, and is not now: "
-                    f"{rejection.text}; run with --fresh"
-                )
-        return candidates
+                lost.add(candidate.name)
+                self.drop(candidate.variant, rejection)
+        pairs = zip(entries, candidates, strict=True)
+        return [(entry, candidate) for entry, candidate in pairs if candidate.name not in lost]
+
+    def drop(self, variant: Variant, why: Rejection) -> None:
+        """An entry that had figures and fails now is out of this run."""
+        gone = self.entries.pop(name_of(variant), None)
+        if gone is self._best:
+            self._best = next(iter(self.ranked()), None)
+        self._refuse(variant, why)
 
     def still_holds(self, entry: Entry) -> bool:
         """Does what the figures of an entry depend on stand as it did?"""
@@ -110,8 +119,7 @@ class Exploration:
                 self._refuse(other, why)
 
     def tell(self, doing: str) -> None:
-        ranked = self.ranked()
-        best = ranked[0] if ranked else None
+        best = self._best
         self.observe(
             Progress(
                 contest=self.contest,
@@ -165,8 +173,8 @@ class Exploration:
             if found is None:
                 missing.append(entry)
             else:
-                entry.trials.append(found)
-        for entry, candidate in zip(missing, self.built(missing), strict=True):
+                self._enter(entry.variant, found)
+        for entry, candidate in self.built(missing):
             self.tell(f"timing for longer ({RUNGS[entry.rung + 1]} rounds)")
             self._time(candidate, entry.rung + 1)
 
@@ -185,6 +193,8 @@ class Exploration:
     def _candidate(self, variant: Variant) -> Candidate:
         name = name_of(variant)
         if name not in self._candidates:
+            if len(self._candidates) >= _CANDIDATES:  # the oldest: it can be made again
+                del self._candidates[next(iter(self._candidates))]
             self._candidates[name] = next(iter(self.lab.candidates([variant])))
         return self._candidates[name]
 
@@ -228,6 +238,10 @@ class Exploration:
     def _enter(self, variant: Variant, trial: Trial) -> None:
         entry = self.entries.setdefault(name_of(variant), Entry(variant))
         entry.trials.append(trial)
+        if entry is self._best:  # a longer timing may say that it is not
+            self._best = next(iter(self.ranked()), None)
+        elif eligible(entry) and (self._best is None or entry.ratio < self._best.ratio):
+            self._best = entry
         rejection: Rejection | None = trial.rejection
         if rejection is not None:
             self.rejected[rejection.reason] += 1

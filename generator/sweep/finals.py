@@ -16,10 +16,10 @@ from generator.choice.workbench import Candidate
 from generator.errors import KernelError
 from generator.sweep.explore import Exploration
 from generator.sweep.figures import errors_of, rounded, times_of
-from generator.sweep.ladder import Entry, finalists
+from generator.sweep.ladder import RUNGS, Entry, finalists
 from generator.sweep.ledger import candidate_hash
 from generator.sweep.record import Final, Finalist, digest
-from generator.sweep.station import BLOCK_MS, TimingJob
+from generator.sweep.station import BLOCK_MS, TimingJob, rejection_of
 from generator.timing.ratios import Interval, TimingRun, control_band, joined, timing_run
 
 PROCESSES = 6  # the range of six covers the median in 97 of 100
@@ -90,17 +90,18 @@ def hold(
 ) -> Final:
     """Time entries against each other. `chosen`: the choice that is looked at again."""
     exploration.tell(f"timing {len(entries)} against each other")
-    candidates = exploration.built(entries)
-    key = _key(exploration, candidates, rounds, purpose)
+    pairs = exploration.built(entries)
+    key = _key(exploration, [c for _, c in pairs], rounds, purpose)
     known = exploration.ledger.find_final(key) if purpose == "choice" else None
     if known is not None:
         return known
-    timed = _timed(exploration, candidates, rounds)
-    best = timed.fastest([c.name for c in candidates])
-    rows = [
-        _finalist(exploration, entry, candidate, timed, best)
-        for entry, candidate in zip(entries, candidates, strict=True)
-    ]
+    try:
+        timed = _timed(exploration, [c for _, c in pairs], rounds)
+    except KernelError:
+        pairs = _weeded(exploration, pairs)
+        timed = _timed(exploration, [c for _, c in pairs], rounds)
+    best = timed.fastest([c.name for _, c in pairs])
+    rows = [_finalist(exploration, *pair, timed, best) for pair in pairs]
     close = [row for row in rows if row.tie and row.to_fastest <= NEGLIGIBLE]
     preferred = min(close, key=lambda row: (row.distance, row.subject.name)).subject.name
     return exploration.ledger.final(
@@ -127,6 +128,24 @@ def _timed(exploration: Exploration, candidates: Sequence[Candidate], rounds: in
         job = TimingJob(order, rounds, FINAL_SECONDS)
         runs.append(timing_run(exploration.lab.time(job)))
     return Rounds(tuple(runs), joined(runs))
+
+
+def _weeded(
+    exploration: Exploration, pairs: Sequence[tuple[Entry, Candidate]]
+) -> list[tuple[Entry, Candidate]]:
+    """Those that can be timed alone: one of them has ended the process of all."""
+    sound = []
+    for entry, candidate in pairs:
+        job = TimingJob((exploration.baseline, candidate), RUNGS[-1], FINAL_SECONDS)
+        try:
+            exploration.lab.time(job)
+        except KernelError as error:
+            exploration.drop(entry.variant, rejection_of(error))
+        else:
+            sound.append((entry, candidate))
+    if not sound:
+        raise KernelError("no finalist could be timed alone; is the machine in order?")
+    return sound
 
 
 def _key(

@@ -137,7 +137,7 @@ class Ledger:
         return self._kept(made.sealed())
 
     def refusal(self, subject: Subject, rejection: Rejection) -> None:
-        """Keep, once, why there is not even a text of a variant."""
+        """Keep, once, why a variant has no text, or no figures where it had some before."""
         key = digest(["refusal", identity(subject), rejection.model_dump()])
         if key in self._trials:
             return

@@ -9,16 +9,18 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import pytest
 from sweep_lab import BATCH, EXACT, FIXED, ZEN3, FakeLab, landscape, plan, swept
 
 import generator.variants.axes as axes_module
-from generator.errors import InputError
+from generator.errors import InputError, KernelCrash
 from generator.sweep.finals import NEGLIGIBLE, row_of
 from generator.sweep.ladder import KEPT, RUNGS
 from generator.sweep.record import Final, Rejection, Run
 from generator.sweep.space import Space, parse_only, variant_of_subject
+from generator.sweep.station import TimingJob
 from generator.sweep.store import opened
 from generator.variants.axes import Axis, Choice, axes_of
 from generator.variants.names import name_of
@@ -289,6 +291,28 @@ def test_every_rejection_is_a_record_with_its_reason_and_is_not_tried_again(
         lab = FakeLab()
         _, again = swept(store, lab, asked)
     assert (again.made, lab.timed) == (0, [])
+
+
+def test_a_finalist_that_ends_the_final_is_left_out_of_it(tmp_path: Path) -> None:
+    class Fragile(FakeLab):
+        """The fastest kernel crashes when it has been timed often."""
+
+        def time(self, job: TimingJob) -> dict[str, Any]:
+            bad = [c for c in job.candidates if c.variant["rsqrt"] == "ahead"]
+            if bad and (len(job.candidates) > 2 or self.crashed):
+                self.crashed = True
+                raise KernelCrash("crashed with SIGSEGV")
+            return super().time(job)
+
+        crashed = False
+
+    with opened(tmp_path / "s.sqlite") as store:
+        lab = Fragile(speed=lambda v: 0.5 if v["rsqrt"] == "ahead" else 0.51)
+        [outcome], _ = swept(store, lab, plan(FIXED, only=SMALLER, exhaustive=True))
+        out = [t for t in store.trials() if t.rejection and t.rejection.reason == "crash"]
+    assert outcome.final is not None and lab.crashed
+    assert {f.subject.options["rsqrt"] for f in outcome.final.finalists}.isdisjoint({"ahead"})
+    assert {t.subject.options["rsqrt"] for t in out} == {"ahead"}
 
 
 # ---- budgets ---------------------------------------------------------------------------------
