@@ -17,9 +17,8 @@ from distributed.scheduler import KilledWorker
 
 from generator.choice.workbench import Candidate
 from generator.errors import InputError, KernelError
-from generator.sweep.lab import emitted
 from generator.sweep.record import Rejection
-from generator.sweep.station import Rules, Station, TimingJob
+from generator.sweep.station import Code, Rules, Station, TimingJob
 from generator.sweep.worker import (
     Built,
     Identity,
@@ -71,8 +70,11 @@ class ClusterLab:
     def rules(self, steps: int | None) -> Rules:
         return self.station.rules(steps)
 
-    def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
-        return emitted(self.station, variants, self.target)
+    def code(self, variant: Variant) -> Code:
+        return self.station.code(variant, self.target)
+
+    def candidate(self, variant: Variant) -> Candidate:
+        return self.station.emit(variant, self.target)
 
     def build(
         self, candidates: Sequence[Candidate]

@@ -12,9 +12,10 @@ from generator.errors import EmissionError, KernelError
 from generator.sweep.figures import errors_of, times_of
 from generator.sweep.lab import Lab
 from generator.sweep.ladder import RUNGS, Entry, by_ratio, eligible, promoted
-from generator.sweep.ledger import Ledger, candidate_hash, source_hash
+from generator.sweep.ledger import Ledger
 from generator.sweep.record import Depends, Rejection, Trial
 from generator.sweep.search import Search
+from generator.sweep.sources import candidate_hash
 from generator.sweep.space import Contest
 from generator.sweep.station import BLOCK_MS, TimingJob, one_line, rejection_of
 from generator.timing.ratios import timing_run
@@ -72,6 +73,9 @@ class Exploration:
     _candidates: dict[str, Candidate] = field(default_factory=dict)
     _best: Entry | None = None
 
+    def __post_init__(self) -> None:
+        self._baseline_hash = candidate_hash(self.baseline)
+
     def run(self) -> None:
         """Waves until the search has nothing left or the budget is used up."""
         while not self.budget.over(self.tried):
@@ -107,7 +111,7 @@ class Exploration:
 
     def still_holds(self, entry: Entry) -> bool:
         """Does what the figures of an entry depend on stand as it did?"""
-        now = self._depends(self._candidate(entry.variant), entry.last.rung)
+        now = self._depends(entry.variant, entry.last.rung)
         return entry.last.depends == now
 
     def note_constraints(self, variant: Variant) -> None:
@@ -139,14 +143,13 @@ class Exploration:
         for variant in wave:
             self.tell("emitting")
             try:
-                candidate = self._candidate(variant)
+                found = self._found(variant, 0)
+                if found is None:
+                    new.append(self._candidate(variant))
             except EmissionError as error:
                 self._refuse(variant, Rejection(reason="compile", text=one_line(str(error))))
                 continue
-            found = self._found(candidate, 0)
-            if found is None:
-                new.append(candidate)
-            else:
+            if found is not None:
                 self._enter(variant, found)
         if self.budget.trials is not None:
             new = new[: self.budget.trials - self.tried]
@@ -169,7 +172,7 @@ class Exploration:
     def _next_rung(self, entries: Sequence[Entry]) -> None:
         missing = []
         for entry in entries:
-            found = self._found(self._candidate(entry.variant), entry.rung + 1)
+            found = self._found(entry.variant, entry.rung + 1)
             if found is None:
                 missing.append(entry)
             else:
@@ -195,34 +198,34 @@ class Exploration:
         if name not in self._candidates:
             if len(self._candidates) >= _CANDIDATES:  # the oldest: it can be made again
                 del self._candidates[next(iter(self._candidates))]
-            self._candidates[name] = next(iter(self.lab.candidates([variant])))
+            self._candidates[name] = self.lab.candidate(variant)
         return self._candidates[name]
 
-    def _depends(self, candidate: Candidate, rung: int) -> Depends:
-        rules = self.lab.rules(candidate.variant.stepper.steps)
+    def _depends(self, variant: Variant, rung: int) -> Depends:
+        code, rules = self.lab.code(variant), self.lab.rules(variant.stepper.steps)
         return Depends(
-            source=source_hash(candidate.source),
-            compiler=candidate.compiler.version,
-            flags=candidate.flags,
+            source=code.source,
+            compiler=code.compiler,
+            flags=code.flags,
             cpu=self.lab.cpu,
-            goal=candidate.variant.stepper.goal,
+            goal=variant.stepper.goal,
             call=self.contest.call,
             cases=rules.cases,
             rules=rules.rules,
             bench=rules.bench,
-            baseline=candidate_hash(self.baseline),
+            baseline=self._baseline_hash,
             timing=f"{RUNGS[rung]} rounds, blocks of {BLOCK_MS:g} ms",
         )
 
-    def _found(self, candidate: Candidate, rung: int) -> Trial | None:
-        subject = self.contest.subject(candidate.variant)
-        return self.ledger.find(subject, self._depends(candidate, rung), rung)
+    def _found(self, variant: Variant, rung: int) -> Trial | None:
+        subject = self.contest.subject(variant)
+        return self.ledger.find(subject, self._depends(variant, rung), rung)
 
     def _keep(self, candidate: Candidate, rung: int, **figures: object) -> None:
         library = candidate.library
         trial = self.ledger.trial(
             self.contest.subject(candidate.variant),
-            self._depends(candidate, rung),
+            self._depends(candidate.variant, rung),
             rung,
             build_seconds=None if library is None or library.hit else round(library.seconds, 3),
             errors=errors_of(candidate),

@@ -17,8 +17,8 @@ from generator.errors import KernelError
 from generator.sweep.explore import Exploration
 from generator.sweep.figures import errors_of, rounded, times_of
 from generator.sweep.ladder import RUNGS, Entry, finalists
-from generator.sweep.ledger import candidate_hash
 from generator.sweep.record import Final, Finalist, digest
+from generator.sweep.sources import candidate_hash
 from generator.sweep.station import BLOCK_MS, TimingJob, rejection_of
 from generator.timing.ratios import Interval, TimingRun, control_band, joined, timing_run
 
@@ -54,15 +54,16 @@ class Rounds:
         return float(np.median(medians)), (min(medians), max(medians))
 
     def fastest(self, names: Sequence[str]) -> str:
-        """The one that is furthest below the mean of all of them in its rounds."""
-        logs = [{name: np.log(run.throughput.ns[name]) for name in names} for run in self.runs]
-        means = [np.mean(list(each.values()), axis=0) for each in logs]
+        """The one that none of the others beats, kernel against kernel in the same rounds.
 
-        def place(name: str) -> float:
-            medians = [np.median(log[name] - mean) for log, mean in zip(logs, means, strict=True)]
-            return float(np.median(medians))
-
-        return min(names, key=lambda name: (place(name), name))
+        Where they beat each other in a circle, the one at which it closes.
+        """
+        best, been = names[0], set[str]()
+        while best not in been:
+            been.add(best)
+            ratios = {name: self.ratio(name, best)[0] for name in names}
+            best = min(names, key=lambda name: (ratios[name], name != best, name))
+        return best
 
     def control(self) -> Interval:
         """The A/A band over all rounds."""

@@ -8,11 +8,9 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, Protocol
 
 from generator.choice.workbench import Candidate
-from generator.errors import EmissionError
 from generator.sweep.record import Rejection
-from generator.sweep.station import Rules, Station, TimingJob
+from generator.sweep.station import Code, Rules, Station, TimingJob
 from generator.targets.target import Target
-from generator.variants.names import name_of
 from generator.variants.variant import Variant
 
 
@@ -30,10 +28,13 @@ class Lab(Protocol):
     def rules(self, steps: int | None) -> Rules:
         """What figures depend on besides the kernel."""
 
-    def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
-        """Emitted, one after the other; libraries are made by `build`.
+    def code(self, variant: Variant) -> Code:
+        """What the compiler would be given. Raises EmissionError, as `candidate` does."""
 
-        Raises EmissionError where a variant cannot be laid out, though no rule says so.
+    def candidate(self, variant: Variant) -> Candidate:
+        """Emitted; its library is made by `build`.
+
+        Raises EmissionError where it cannot be laid out, though no rule says so.
         """
 
     def build(
@@ -61,8 +62,11 @@ class LocalLab:
     def rules(self, steps: int | None) -> Rules:
         return self.station.rules(steps)
 
-    def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
-        return emitted(self.station, variants, self.target)
+    def code(self, variant: Variant) -> Code:
+        return self.station.code(variant, self.target)
+
+    def candidate(self, variant: Variant) -> Candidate:
+        return self.station.emit(variant, self.target)
 
     def build(
         self, candidates: Sequence[Candidate]
@@ -76,17 +80,6 @@ class LocalLab:
 
     def time(self, job: TimingJob) -> dict[str, Any]:
         return self.station.time(job)
-
-
-def emitted(station: Station, variants: Sequence[Variant], target: Target) -> Iterator[Candidate]:
-    """Candidates out of variants; what is wrong with one is an EmissionError, whatever it is."""
-    for variant in variants:
-        try:
-            [candidate] = station.bench.prepare([variant], target)
-        except Exception as error:  # a bug in laying one out must not end a sweep of thousands
-            what = f"{type(error).__name__}: {error}"
-            raise EmissionError(f"{name_of(variant)}: emission: {what}") from error
-        yield candidate
 
 
 def side_by_side(

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import platform
-import re
 from collections import Counter
 from collections.abc import Mapping
 from datetime import UTC, datetime
 
-from generator.choice.workbench import Candidate
-from generator.emission.kernel_source import KernelSource
 from generator.sweep.record import (
     Depends,
     Final,
@@ -22,27 +19,6 @@ from generator.sweep.record import (
 )
 from generator.sweep.store import ResultStore
 from generator.variants.axes import axis
-from generator.variants.names import symbol_of
-
-_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
-
-
-def source_hash(source: KernelSource) -> str:
-    """Hash of a kernel's code: not of comments, of layout or of its own name."""
-    texts = []
-    for text in (source.header, source.source, source.probe):
-        plain = " ".join(_COMMENT.sub(" ", text).split())
-        plain = plain.replace('" "', "")  # a long name is written as two literals
-        for name in (source.source_name, symbol_of(source.source_name)):
-            plain = plain.replace(name, "KERNEL")
-        texts.append(plain)
-    return digest(texts)
-
-
-def candidate_hash(candidate: Candidate) -> str:
-    """Hash of code, compiler and flags."""
-    compiled = [candidate.compiler.version, *candidate.flags]
-    return digest([source_hash(candidate.source), compiled])
 
 
 def now() -> str:

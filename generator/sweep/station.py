@@ -18,11 +18,16 @@ from generator.choice.workbench import (
     verification_hash,
 )
 from generator.emission.files import write_atomically
-from generator.errors import KernelCrash, KernelError, KernelTimeout
+from generator.errors import EmissionError, KernelCrash, KernelError, KernelTimeout
 from generator.sweep.record import Rejection
+from generator.sweep.sources import emission_hash, source_hash
 from generator.targets.host import Host, read_host
+from generator.targets.target import Target
 from generator.timing.bench_tool import CASE_COLUMNS
 from generator.timing.plan import Array, PlannedKernel, TimingPlan
+from generator.toolchain.flags import compile_flags
+from generator.variants.names import name_of, source_name_of
+from generator.variants.variant import Variant
 
 BASELINE_STEPS = 1000
 KERNEL_TIMEOUT = 30.0  # seconds for a kernel over all cases; the slowest take half a second
@@ -36,6 +41,15 @@ class Rules:
     cases: str
     rules: str
     bench: str
+
+
+@dataclass(frozen=True)
+class Code:
+    """What the compiler is given: hash of the text without its name, version and flags."""
+
+    source: str
+    compiler: str
+    flags: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -82,6 +96,24 @@ class Station:
     def rules(self, steps: int | None) -> Rules:
         cases = key_of(self.expected(steps).key, self.timing_cases(), CASE_COLUMNS)
         return Rules(cases, verification_hash(), self.bench.tool.executable.name)
+
+    def emit(self, variant: Variant, target: Target) -> Candidate:
+        """The candidate of a variant. EmissionError says what is wrong, whatever it is."""
+        try:
+            [candidate] = self.bench.prepare([variant], target)
+        except Exception as error:  # a bug in laying one out must not end a sweep of thousands
+            what = f"{type(error).__name__}: {error}"
+            raise EmissionError(f"{name_of(variant)}: emission: {what}") from error
+        return candidate
+
+    def code(self, variant: Variant, target: Target) -> Code:
+        """Without emitting it where an earlier run did, by the same sources of the generator."""
+        key = key_of(source_name_of(variant), emission_hash())
+        made = self.bench.store.kept(
+            "hashes of texts", key, lambda: source_hash(self.emit(variant, target).source)
+        )
+        compiler = self.bench.compilers[variant["compiler"]]
+        return Code(made, compiler.version, compile_flags(variant, compiler, target))
 
     def compile(self, candidate: Candidate) -> Rejection | None:
         """Give a candidate its library, or say why there is none."""

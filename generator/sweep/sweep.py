@@ -91,7 +91,7 @@ def explorations(plan: Plan, lab: Lab, ledger: Ledger, observe: Observer) -> lis
 
 def _baseline(plan: Plan, contest: Contest, lab: Lab) -> Candidate:
     variant = baseline(plan.target, contest.scene, contest.model, BASELINE_STEPS, plan.compilers)
-    candidate = next(iter(lab.candidates([variant])))
+    candidate = lab.candidate(variant)
     for _candidate, rejection in lab.build([candidate]):
         if rejection is not None:
             raise KernelError(f"paper-initial, which all are timed against: {rejection.text}")

@@ -16,8 +16,9 @@ from generator.lowering.counts import OperationCounts
 from generator.sweep.explore import Progress
 from generator.sweep.ledger import Ledger, new_run
 from generator.sweep.record import Rejection
+from generator.sweep.sources import source_hash
 from generator.sweep.space import Contest
-from generator.sweep.station import Rules, TimingJob
+from generator.sweep.station import Code, Rules, TimingJob
 from generator.sweep.store import ResultStore
 from generator.sweep.sweep import Outcome, Plan, run_sweep
 from generator.targets.target import find_target
@@ -83,10 +84,13 @@ class FakeLab:
     def rules(self, steps: int | None) -> Rules:
         return Rules(cases=f"cases {steps}", rules="rules", bench="bench")
 
-    def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
-        for variant in variants:
-            compiler = Compiler("gcc", "/usr/bin/g++", self.compilers["gcc"], 12)
-            yield Candidate(variant, made_up_source(variant), compiler, (variant["flags"],))
+    def code(self, variant: Variant) -> Code:
+        source = source_hash(made_up_source(variant))
+        return Code(source, self.compilers["gcc"], (variant["flags"],))
+
+    def candidate(self, variant: Variant) -> Candidate:
+        compiler = Compiler("gcc", "/usr/bin/g++", self.compilers["gcc"], 12)
+        return Candidate(variant, made_up_source(variant), compiler, (variant["flags"],))
 
     def build(
         self, candidates: Sequence[Candidate]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import random
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -142,6 +143,24 @@ def test_a_contest_of_batches_varies_lanes_and_not_the_loop_of_single_calls(
         assert seen[axis.key] == set(axis.codes()) or not axis.lanes
     best = min(landscape(v) for v in asked.space(BATCH).everything())
     assert landscape(chosen(outcome.final)) <= 1.03 * best
+
+
+def test_no_finalist_is_faster_than_the_fastest_in_the_same_rounds(tmp_path: Path) -> None:
+    """Also where times are skewed, as those of batches whose windows hold different cases."""
+
+    class Skewed(FakeLab):
+        def _series(self, name: str, ratio: float, rounds: int) -> dict[str, Any]:
+            series = super()._series(name, ratio, rounds)
+            tail = random.Random(name)
+            ns = [value * (1 + 0.2 * tail.random() ** 8) for value in series["ns_per_collision"]]
+            return {**series, "ns_per_collision": ns}
+
+    with opened(tmp_path / "s.sqlite") as store:
+        [outcome], _ = swept(store, Skewed(), plan(FIXED, only=SMALLER, exhaustive=True))
+    assert outcome.final is not None
+    least = min(row.to_fastest for row in outcome.final.finalists)
+    print(f"{len(outcome.final.finalists)} finalists, the least ratio to the fastest is {least}")
+    assert least == 1.0 == row_of(outcome.final, outcome.final.fastest).to_fastest
 
 
 @pytest.mark.parametrize("seed", [1, 2])

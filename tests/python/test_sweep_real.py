@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,10 +25,10 @@ from generator.emission.kernel_source import emit
 from generator.errors import EmissionError
 from generator.places import cache_folder
 from generator.sweep.lab import LocalLab
-from generator.sweep.ledger import source_hash
 from generator.sweep.record import Final
+from generator.sweep.sources import source_hash
 from generator.sweep.space import Contest
-from generator.sweep.station import Station
+from generator.sweep.station import Code, Station
 from generator.sweep.store import opened, read_only
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -69,15 +68,21 @@ needs_host = pytest.mark.skipif(
 class SabotagedLab(LocalLab):
     """Some kernels are made to fail, each in its way."""
 
-    def candidates(self, variants: Sequence[Variant]) -> Iterator[Candidate]:
-        if any(v["rsqrt"] == "div" and v["flags"] == "strict" for v in variants):
+    def code(self, variant: Variant) -> Code:
+        candidate = self.candidate(variant)
+        return Code(source_hash(candidate.source), candidate.compiler.version, candidate.flags)
+
+    def candidate(self, variant: Variant) -> Candidate:
+        if variant["rsqrt"] == "div" and variant["flags"] == "strict":
             raise EmissionError("a bug of the generator")
-        for candidate in super().candidates(variants):
-            source, bad = candidate.source, BROKEN.get(candidate.variant["rsqrt"])
-            if bad is not None and candidate.variant["flags"] == "strict":
-                assert STEP in source.source
-                source = replace(source, source=source.source.replace(STEP, bad[1]))
-            yield replace(candidate, source=source)
+        candidate, bad = super().candidate(variant), BROKEN.get(variant["rsqrt"])
+        if bad is None or variant["flags"] != "strict":
+            return candidate
+        text = candidate.source.source
+        assert STEP in text
+        return replace(
+            candidate, source=replace(candidate.source, source=text.replace(STEP, bad[1]))
+        )
 
 
 def test_a_kernel_that_crashes_or_hangs_or_errs_is_rejected_and_the_sweep_goes_on(
