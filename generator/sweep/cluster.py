@@ -67,8 +67,8 @@ class ClusterLab:
 
     # -- as Lab --
 
-    def rules(self, steps: int | None) -> Rules:
-        return self.station.rules(steps)
+    def rules(self, steps: int | None, batches: bool) -> Rules:
+        return self.station.rules(steps, batches)
 
     def code(self, variant: Variant) -> Code:
         return self.station.code(variant, self.target)

@@ -202,7 +202,8 @@ class Exploration:
         return self._candidates[name]
 
     def _depends(self, variant: Variant, rung: int) -> Depends:
-        code, rules = self.lab.code(variant), self.lab.rules(variant.stepper.steps)
+        code = self.lab.code(variant)
+        rules = self.lab.rules(variant.stepper.steps, variant.width > 1)
         return Depends(
             source=code.source,
             compiler=code.compiler,

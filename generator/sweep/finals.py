@@ -152,7 +152,8 @@ def _weeded(
 def _key(
     exploration: Exploration, candidates: Sequence[Candidate], rounds: int, purpose: Purpose
 ) -> str:
-    rules = exploration.lab.rules(candidates[0].variant.stepper.steps)
+    first = candidates[0]
+    rules = exploration.lab.rules(first.variant.stepper.steps, first.is_batch)
     return digest(
         [
             sorted(candidate_hash(c) for c in candidates),

@@ -25,7 +25,7 @@ class Lab(Protocol):
     def compilers(self) -> dict[str, str]:
         """Versions by axis code."""
 
-    def rules(self, steps: int | None) -> Rules:
+    def rules(self, steps: int | None, batches: bool) -> Rules:
         """What figures depend on besides the kernel."""
 
     def code(self, variant: Variant) -> Code:
@@ -59,8 +59,8 @@ class LocalLab:
         self.cpu = f"{target.name}, {station.host().cpu}"
         self.compilers = {c.code: c.version for c in station.bench.compilers.values()}
 
-    def rules(self, steps: int | None) -> Rules:
-        return self.station.rules(steps)
+    def rules(self, steps: int | None, batches: bool) -> Rules:
+        return self.station.rules(steps, batches)
 
     def code(self, variant: Variant) -> Code:
         return self.station.code(variant, self.target)

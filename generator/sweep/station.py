@@ -61,6 +61,10 @@ class TimingJob:
     seconds: float  # at most
 
     @property
+    def batches(self) -> bool:
+        return any(candidate.is_batch for candidate in self.candidates)
+
+    @property
     def baseline(self) -> Candidate:
         return self.candidates[0]
 
@@ -73,7 +77,7 @@ class Station:
     scene: str
     model: str
     _expected: dict[int | None, Expected] = field(default_factory=dict)
-    _timing_cases: Array | None = None
+    _timing_cases: dict[bool, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.bench.kernel_timeout = KERNEL_TIMEOUT
@@ -88,13 +92,15 @@ class Station:
             self._expected[steps] = made
         return self._expected[steps]
 
-    def timing_cases(self) -> Array:
-        if self._timing_cases is None:
-            self._timing_cases = self.bench.timing_cases(self.scene, self.model)
-        return self._timing_cases
+    def timing_cases(self, batches: bool) -> Array:
+        """What kernels are timed on; a batch has one set of parameters for all but u_b."""
+        if batches not in self._timing_cases:
+            make = self.bench.batch_cases if batches else self.bench.timing_cases
+            self._timing_cases[batches] = make(self.scene, self.model)
+        return self._timing_cases[batches]
 
-    def rules(self, steps: int | None) -> Rules:
-        cases = key_of(self.expected(steps).key, self.timing_cases(), CASE_COLUMNS)
+    def rules(self, steps: int | None, batches: bool) -> Rules:
+        cases = key_of(self.expected(steps).key, self.timing_cases(batches), CASE_COLUMNS)
         return Rules(cases, verification_hash(), self.bench.tool.executable.name)
 
     def emit(self, variant: Variant, target: Target) -> Candidate:
@@ -142,7 +148,7 @@ class Station:
             path = candidate.library.path
             planned.append(PlannedKernel(candidate.name, path, batch=candidate.is_batch))
         plan = TimingPlan(
-            self.timing_cases(),
+            self.timing_cases(job.batches),
             tuple(planned),
             job.baseline.name,
             rounds=job.rounds,

@@ -81,8 +81,8 @@ class FakeLab:
         self._random, self._noise = random.Random(seed), noise
         self._refuse, self._speed, self._seconds = refuse, speed, seconds
 
-    def rules(self, steps: int | None) -> Rules:
-        return Rules(cases=f"cases {steps}", rules="rules", bench="bench")
+    def rules(self, steps: int | None, batches: bool) -> Rules:
+        return Rules(cases=f"cases {steps} {batches}", rules="rules", bench="bench")
 
     def code(self, variant: Variant) -> Code:
         source = source_hash(made_up_source(variant))
