@@ -7,8 +7,8 @@ function(carom_kernel_set sources_out folder_out)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${inputs})
   set(folder ${PROJECT_BINARY_DIR}/kernels)
   execute_process(
-    COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${PROJECT_SOURCE_DIR}
-            ${Python_EXECUTABLE} -m generator.clients ${folder} ${ARGN}
+    COMMAND ${Python_EXECUTABLE} -m generator.clients ${folder} ${ARGN}
+    WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} # found there; PYTHONPATH is pip's while it builds a wheel
     COMMAND_ERROR_IS_FATAL ANY)
   file(GLOB sources ${folder}/*.cpp)
   set(${sources_out} ${sources} PARENT_SCOPE)
