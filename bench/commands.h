@@ -52,9 +52,9 @@ void time_plan(const Time& options);
 /// Throws too where the outcomes differ from those of one thread.
 struct Threads {
   std::string kernel, cases;
-  std::size_t count = 16384;  ///< collisions in the batch, the cases over and over
-  int rounds = 5;             ///< the best of them counts
-  unsigned most = 0;          ///< threads; 0: one a core
+  std::size_t count = 4096;  ///< collisions in the batch, the cases over and over
+  int rounds = 30;           ///< the best of them counts
+  unsigned most = 0;         ///< threads; 0: one a core
 };
 void threads(const Threads& options);
 

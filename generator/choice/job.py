@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
 from generator.choice.choose import Choice, choose_by_model, choose_by_time
-from generator.choice.modelling import model_all
+from generator.choice.modelling import model_all, model_loop
 from generator.choice.workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
@@ -19,6 +20,7 @@ from generator.targets.target import Target
 from generator.variants.names import name_of
 
 STEPS = 1000
+EMULATED = 5  # of the reference cases one in so many runs under an emulator
 
 Job = Callable[
     [Workbench, Target, Host, str, str, float], tuple[list[Candidate], Candidate, Choice]
@@ -57,6 +59,23 @@ def fixed_step_job(
     return _judged(bench, candidates, expected, target, host, scene, seconds)
 
 
+def thinned(expected: Expected) -> Expected:
+    """Every fifth of the reference cases: an emulator is slow."""
+    rows = slice(0, expected.reference_rows, EMULATED)
+    euler, pooltool = expected.euler, expected.pooltool
+    cases = expected.cases[rows]
+    return replace(
+        expected,
+        cases=cases,
+        exact=expected.exact[rows],
+        euler=None if euler is None else euler[rows],
+        pooltool=None if pooltool is None else pooltool[rows],
+        reference_rows=len(cases),
+        labels=expected.labels[rows],
+        key=f"{expected.key}, every {EMULATED}th",
+    )
+
+
 def _judged(
     bench: Workbench,
     candidates: list[Candidate],
@@ -67,6 +86,12 @@ def _judged(
     seconds: float,
 ) -> tuple[list[Candidate], Candidate, Choice]:
     """Verified and timed where the target's code runs here; chosen by time on the target alone."""
+    if bench.emulated is not None:
+        bench.verify(candidates, thinned(expected))
+        for candidate in candidates:
+            if not candidate.rejected:
+                model_loop(bench, candidate, target)
+        return candidates, candidates[0], choose_by_model(candidates, target.row.mca_cpu)
     runs_here = host.runs(target)
     is_host = runs_here and host.target.name == target.name and host.exact
     if runs_here:

@@ -20,9 +20,10 @@ from generator.choice.workbench import Candidate, Workbench
 from generator.errors import KernelError
 from generator.targets.target import Target
 from generator.toolchain.build import build
-from generator.toolchain.mca import require_mca
+from generator.toolchain.mca import McaReport, analyse, assembly_of, require_mca
 from generator.toolchain.replay import Modelled, replayed_cycles
 from generator.toolchain.traces import TracedKernel, traced
+from generator.variants.variant import Variant
 from generator.verification.errors import Array
 
 EXACT_CASES = 64  # of the mixed set that kernels are timed on
@@ -105,5 +106,47 @@ def replayed(
         instructions=times * len(ran) / len(cases),
         cases=len(cases),
         steps=fewer,
+        version=require_mca().version,
+    )
+
+
+def loop_report(bench: Workbench, candidate: Candidate, target: Target) -> McaReport:
+    """What llvm-mca says of one pass of the loop, over all lanes in flight. Raises KernelError."""
+    region = "lanes" if candidate.is_batch else "loop"
+    sources = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
+    compiler, flags = candidate.compiler, candidate.flags
+
+    def make() -> dict[str, object]:
+        text = assembly_of(sources, (), compiler, flags, candidate.name)
+        return asdict(analyse(text, target, region))
+
+    texts = sorted(sources.items())
+    key = key_of(texts, compiler.version, flags, require_mca().version, target.row.mca_cpu, region)
+    kept = bench.store.kept("llvm-mca figures", key, make)
+    return McaReport(**{**kept, "path_cycles": tuple(kept["path_cycles"])})
+
+
+def lanes_in_flight(variant: Variant) -> int:
+    """Lanes of all vectors that are worked on in turn."""
+    return variant.width * int(variant.get("interleave", "i1")[1:])
+
+
+def model_loop(bench: Workbench, candidate: Candidate, target: Target) -> None:
+    """Cycles of N steps of a fixed-step kernel's loop, over its lanes; else it is rejected."""
+    variant = candidate.variant
+    steps = variant.stepper.steps
+    assert steps is not None
+    try:
+        report = loop_report(bench, candidate, target)
+    except KernelError as error:
+        candidate.rejected = f"llvm-mca: {error}"
+        return
+    passes = steps / lanes_in_flight(variant)
+    candidate.modelled = Modelled(
+        cpu=target.row.mca_cpu,
+        cycles=report.cycles_per_iteration * passes,
+        instructions=report.uops * passes,
+        cases=0,
+        steps=steps,
         version=require_mca().version,
     )

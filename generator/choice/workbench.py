@@ -17,6 +17,7 @@ from generator.scenes.scene import find_scene
 from generator.targets.host import read_host
 from generator.targets.target import Target
 from generator.timing.bench_tool import BenchTool, Method
+from generator.timing.emulated import EmulatedRunner
 from generator.timing.plan import PlannedKernel, TimingPlan
 from generator.timing.ratios import TimingResult, TimingRun, timing_results, timing_run
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
@@ -101,6 +102,7 @@ class Workbench:
     compilers: dict[str, Compiler]
     progress: Progress = field(default=lambda what, done, of: None)
     fresh: bool = False  # verify and time anew instead of reusing what is still valid
+    emulated: EmulatedRunner | None = None  # runs kernels of another architecture
     kernel_timeout: float = 300.0  # seconds for a kernel over the cases that are verified on
 
     def __post_init__(self) -> None:
@@ -238,7 +240,8 @@ class Workbench:
         cases, steps = expected.cases, candidate.variant.stepper.steps
         library, limit = candidate.library.path, self.kernel_timeout
         try:
-            got = self.tool.run_kernel(library, cases, batch=batch, timeout=limit)
+            runner = self.emulated or self.tool
+            got = runner.run_kernel(library, cases, batch=batch, timeout=limit)
         except KernelError as error:
             broken = Verdict(
                 False, str(error), float("nan"), float("nan"), len(cases), ended=_ended(error)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from generator.choice.batches import lanes_in_flight, loop_report
 from generator.choice.candidates import baseline
 from generator.choice.lookup import with_compiler_found
+from generator.choice.modelling import lanes_in_flight, loop_report
 from generator.choice.selection import Selected
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
 from generator.targets.target import Target

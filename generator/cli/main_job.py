@@ -19,6 +19,7 @@ from generator.choice.workbench import (
 )
 from generator.cli.main_table import LEAST_WIDTH, show_table
 from generator.cli.session import ROOT, resolve_target, workbench
+from generator.errors import InputError
 from generator.scenes.models import MODELS, find_model
 from generator.scenes.scene import find_scene
 from generator.steppers.budgets import plan_for
@@ -46,10 +47,17 @@ def run_main_job(
     console = Console()
     if console.width < LEAST_WIDTH:
         console.width = LEAST_WIDTH
-    with workbench(fresh=fresh) as bench:
+    with workbench(fresh=fresh, target=target) as bench:
         for name in names:
             jobs = [fixed_step_job] if max_error is None and known.fixed_steps else []
-            for job in (*jobs, exact_job(max_error or known.max_error)):
+            if bench.emulated is None:
+                jobs = [*jobs, exact_job(max_error or known.max_error)]
+            elif not jobs:
+                raise InputError(
+                    f"--target {target_name}: for {target.row.arch} only fixed-step kernels are "
+                    "chosen here (one step of an exact one says little); leave --max-error out"
+                )
+            for job in jobs:
                 candidates, first, choice = job(bench, target, host, scene, name, seconds)
                 batches = batch_job(bench, target, host, scene, first, choice.chosen, seconds)
                 selection = checked_selection(folder) or Selection(
@@ -109,7 +117,13 @@ def _footnotes(
             f"scene {choice.chosen.variant.scene} has no fixed-step kernels (that scheme is of "
             f"equal balls and in double): paper-initial is that of scene {first.scene}"
         )
-    if choice.by == "llvm-mca" and choice.chosen.variant.width > 1:
+    if bench.emulated is not None:
+        say(
+            f"{target.name} is of another architecture: verified under "
+            f"{Path(bench.emulated.emulator[0]).name}, chosen by llvm-mca's cycles for "
+            f"{target.row.mca_cpu} of N steps of the loop: a model's figure, not a time"
+        )
+    elif choice.by == "llvm-mca" and choice.chosen.variant.width > 1:
         say(
             f"{target.name} is not this host's CPU ({host.target.name}): lanes are chosen by "
             f"llvm-mca's cycles for {target.row.mca_cpu} of N steps of the loop, over its lanes"

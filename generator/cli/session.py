@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import platform
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,7 +17,8 @@ from generator.places import cache_folder, working_root
 from generator.targets.host import Host, read_host
 from generator.targets.target import Target, find_target
 from generator.timing.bench_tool import build_bench_tool
-from generator.toolchain.compilers import find_compilers, missing
+from generator.timing.emulated import emulated_runner
+from generator.toolchain.compilers import compilers_for, find_compilers, missing
 
 ROOT = working_root()  # `generated/` is in it
 
@@ -38,8 +40,13 @@ def require_place(path: Path) -> None:
 
 
 @contextmanager
-def workbench(quiet: bool = False, fresh: bool = False) -> Iterator[Workbench]:
-    """A workbench whose progress shows on standard error what it is doing."""
+def workbench(
+    quiet: bool = False, fresh: bool = False, target: Target | None = None
+) -> Iterator[Workbench]:
+    """A workbench whose progress shows on standard error what it is doing.
+
+    `target`: where it is of another architecture, that one's compilers, and an emulator.
+    """
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}", table_column=None),
@@ -58,11 +65,15 @@ def workbench(quiet: bool = False, fresh: bool = False) -> Iterator[Workbench]:
             last["what"] = head
             bars.update(task, description=what, completed=done, total=of)
 
-        compilers = {c.code: c for c in find_compilers()}
+        emulated = None
+        if target is not None and target.row.arch != platform.machine():
+            emulated = emulated_runner(target, cache_folder())
+        found = compilers_for(target) if emulated and target else find_compilers()
+        compilers = {c.code: c for c in found}
         if not compilers:
             raise InputError("no C++ compiler found: apt-get install g++ clang-19")
-        if lacking := missing(compilers.values()):
+        if not emulated and (lacking := missing(compilers.values())):
             console.print(f"carom: going on without: {lacking}", highlight=False)
         show("building the bench", 0, 1)
         tool = build_bench_tool(cache_folder())
-        yield Workbench(tool, cache_folder(), compilers, show, fresh)
+        yield Workbench(tool, cache_folder(), compilers, show, fresh, emulated)

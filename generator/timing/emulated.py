@@ -44,7 +44,7 @@ class EmulatedRunner:
 
 
 def emulated_runner(target: Target, cache: Path) -> EmulatedRunner:
-    """The runner for a target's architecture, built once. Raises KernelError that says what lacks."""
+    """The runner for a target's architecture, built once. KernelError says what is missing."""
     arch, emulator = target.row.arch, emulator_for(target)
     gcc = next((c for c in compilers_for(target) if c.code == "gcc"), None)
     if gcc is None or not emulator:

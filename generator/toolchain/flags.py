@@ -28,7 +28,9 @@ def compile_flags(variant: Variant, compiler: Compiler, target: Target) -> tuple
     report's flags do; `nofma` and `fma` turn it off.
     """
     if variant["flags"] == "report":
-        chosen = [*_REPORT, *(f for has, f in _REPORT_SETS.items() if target.has(has))]
+        x86 = target.row.arch == "x86_64"
+        sets = [flag for has, flag in _REPORT_SETS.items() if x86 and target.has(has)]
+        chosen = [*_REPORT, *sets]
     else:
         chosen = list(STRICT)
     contract = "fast" if variant["fma"] == "autofma" else "off"
