@@ -155,6 +155,8 @@ def test_batches_are_as_exact_as_single_calls(model):
     cases = expected_cases(tool, 20141, 1500)
     euler, exact = cases.euler[model], cases.exact[model]
     chosen = [k for k in KERNELS if read_host().runs(find_target(k[0]))]
+    if model != "mathavan2014":
+        chosen = chosen[:1] + chosen[-1:]  # the rest differ by what all models share
     variants = [_variant(t, w, model, 1000, o) for t, w, o in chosen]
     scalar = _variant("x86-64-v2", 1, model, 1000, {})
     # Which way rounding turns an exact tie differs: up to 1 % of these cases, most of them ties.
