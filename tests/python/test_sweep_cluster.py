@@ -249,7 +249,8 @@ def test_gen_worker_announces_this_cpu_and_a_sweep_by_command_uses_it(pool: Pool
     try:
         only = [word for key, codes in FEW.items() for word in ("--only", f"{key}={codes[0]}")]
         path = pool.folder / "s.sqlite"
-        sweep = ["sweep", "--scheduler", pool.address, "--steps", "100", "--exhaustive", *only]
+        sweep = ["sweep", "--scheduler", pool.address, "--steps", "100", "--call", "scalar"]
+        sweep += ["--exhaustive", *only]
         result = CliRunner().invoke(gen, [*sweep, "--store", str(path)])
         print(result.output)
         assert result.exit_code == 0

@@ -28,6 +28,7 @@ HERE = Path(__file__).parent
 MADE_UP = [sys.executable, "-P", str(HERE / "sweep_victim.py")]
 ONLY = ("compiler=gcc", "flags=strict", "simd=scalar", "store=named", "fma=fma", "branch=chosen")
 REAL = [sys.executable, "-P", "-m", "generator", "sweep", "--exhaustive", "--steps", "200"]
+REAL += ["--call", "scalar"]
 
 
 @dataclass(frozen=True)

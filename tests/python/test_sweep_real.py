@@ -144,7 +144,17 @@ def gen_sweep(*arguments: object) -> tuple[int, str, str]:
 @needs_host
 def test_a_sweep_by_command_chooses_writes_and_verifies_its_choice(tmp_path: Path) -> None:
     path, out = tmp_path / "s.sqlite", tmp_path / "out"
-    common = ["--steps", 100, "--store", path, *options(), "--only", "rsqrt=inv,est1"]
+    common = [
+        "--steps",
+        100,
+        "--call",
+        "scalar",
+        "--store",
+        path,
+        *options(),
+        "--only",
+        "rsqrt=inv,est1",
+    ]
     code, said, _ = gen_sweep(*common, "--exhaustive", "--write", "--out", out)
     assert code == 0 and "chosen: " in said
     selection = read_selection(out / "native" / "any")
