@@ -56,27 +56,10 @@ def test_budget_holds(tool: BenchTool, model: str, budget: float) -> None:
 
 
 # What is known to fail, until the stepper meets it (issue 3); strict, so that a cure is noticed.
-STILL_OVER = {
-    ("bottom_slip", 1e-3): "stress friction: the step's error estimate does not see the error",
-    ("pooltool", 1e-3): "crossings of zero top slip are unstable: the passage is not met closely",
-    ("pooltool", 1e-6): "crossings of zero top slip are unstable: the passage is not met closely",
-}
+HARD_BUDGETS = [(model, budget) for model in MODELS for budget in (1e-3, 1e-4, 1e-6)]
 
 
-def _hard_parameters() -> list[object]:
-    pairs = [(model, budget) for model in MODELS for budget in (1e-3, 1e-6)]
-    return [
-        pytest.param(
-            *pair,
-            marks=[pytest.mark.xfail(reason=STILL_OVER[pair], strict=True)]
-            if pair in STILL_OVER
-            else [],
-        )
-        for pair in pairs
-    ]
-
-
-@pytest.mark.parametrize(("model", "budget"), _hard_parameters())
+@pytest.mark.parametrize(("model", "budget"), HARD_BUDGETS)
 def test_budget_holds_on_what_once_failed(tool: BenchTool, model: str, budget: float) -> None:
     hard = hard_chunk(tool, model)
     for library in built([exact_variant(model, budget, compiler) for compiler in COMPILERS]):

@@ -220,9 +220,6 @@ def test_a_scene_is_exact_inside(scene: str, compiler: str) -> None:
 
 
 # Still over, and strictly expected to be: 2.5e-6 in one case of 2040.
-STILL_OVER = pytest.param("break", "pooltool", marks=pytest.mark.xfail(reason="near crossing"))
-
-
 @pytest.mark.parametrize(
     ("scene", "model"),
     [
@@ -232,7 +229,7 @@ STILL_OVER = pytest.param("break", "pooltool", marks=pytest.mark.xfail(reason="n
             for m in ("bottom_slip", "pooltool")
         ),
         ("break", "bottom_slip"),
-        STILL_OVER,
+        ("break", "pooltool"),
     ],
 )
 def test_other_models_in_scenes(scene: str, model: str) -> None:
