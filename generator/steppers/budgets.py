@@ -48,11 +48,11 @@ _PLANS: tuple[tuple[float, str, StepControl], ...] = (
     ),
     (9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
     (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
-    (1e-7, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=1e-5, top_depart=1e-5)),
+    (1e-7, "dp54", StepControl(0.07, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=3e-6, top_depart=1e-5)),
     (
         1e-10,
         "dop853",
-        StepControl(0.25, 3.0, 5.0, 0.05, 0.1, 10.0, top_passage=1e-8, top_depart=1e-7),
+        StepControl(0.25, 3.0, 5.0, 0.05, 0.1, 10.0, top_passage=1e-9, top_depart=1e-7),
     ),
     (
         TIGHTEST,
