@@ -226,7 +226,7 @@ class ExactLowering:
 
     def _reached(self, i: int) -> list[Assign]:
         """q at stage i from the start of the step, where it is not the whole."""
-        if self._q(i) == H:
+        if not self.table or self._q(i) == H:
             return []
         value = _rational(self.tableau.c[i]) * H
         if self.table and self._bend(i):
