@@ -43,6 +43,7 @@ class ExactContext:
     lane_estimate: tuple[str, ...]
     root_newton: int | None
     root_cubic: bool
+    coarse: bool  # is the estimate so coarse that a root and a division do better than refining it?
     root_text: str
     tiny_square: str
     before: tuple[str, ...]  # slips from velocities
@@ -264,6 +265,7 @@ def _pressed_context(
         lane_estimate=found.scalar,
         root_newton=newton,
         root_cubic=variant["root"] == "cubic",
+        coarse=found.relative_error > 1e-3,
         root_text=text,
         tiny_square="1e-24" if gains else "1e-36",
         before=ends.slips(n for n in slips if n not in resting).lines,

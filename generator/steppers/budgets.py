@@ -48,7 +48,7 @@ _PLANS: tuple[tuple[float, str, StepControl], ...] = (
     ),
     (9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
     (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
-    (1e-7, "dp54", StepControl(0.07, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=3e-6, top_depart=1e-5)),
+    (1e-7, "dp54", StepControl(0.07, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=3e-7, top_depart=1e-6)),
     (
         1e-10,
         "dop853",
