@@ -50,7 +50,12 @@ Lanes values_from(int start, int stride) {
   return out;
 }
 
-bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+std::uint64_t bits_of(double x) {
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+bool same_bits(double a, double b) { return bits_of(a) == bits_of(b); }
 bool same(double a, double b) { return same_bits(a, b) || (std::isnan(a) && std::isnan(b)); }
 
 void check(bool good, const char* name, int i, double a, double b, double got, double want) {
