@@ -94,6 +94,8 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
     """Legal variants whose batches go in lanes and whose single calls are as chosen."""
     if single.stepper.family != "euler":
         return _exact_batches(single, target, compilers)
+    if find_scene(single.scene).without_lanes:
+        return []
     widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
     roots = ("est2",) if target.has("neon") else ("est1", "cubic")
     ways = [(widest, root, *way) for root in roots for way in _LANES]
@@ -111,7 +113,7 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
 
 def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
     """The chosen exact kernel in the widest lanes; narrower ones for comparison."""
-    if find_scene(single.scene).without_lanes:
+    if find_scene(single.scene).without_exact_lanes:
         return []
     widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
     ways = [(widest, "i1"), (widest, "i2"), *((width, "i2") for width in narrower[:1])]

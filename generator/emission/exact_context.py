@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from generator.emission.isa import Estimate, estimate, float_estimate
-from generator.errors import InputError
 from generator.lowering.collision_ends import CollisionEnds, LevelForms, at_zero
 from generator.lowering.counts import OperationCounts
 from generator.lowering.exact_step import (
@@ -77,7 +76,6 @@ class ExactContext:
     slip_names: tuple[str, ...] = tuple(SLIPS)
     most_steps: int = MOST_STEPS
     huge: str = "1e30"
-    tiny_move: float = 4e-16
     tiny_error: float = 1e-72  # far below every square of an error
     no_friction: float = 0.0  # u_b up to this is none
     tiny_friction: float = 1e-36  # added to u_b where it is divided by; it moves nothing
@@ -150,7 +148,7 @@ class ExactContext:
 
     @property
     def landing_turns(self) -> int:
-        """Newton iterations for the end on an interpolant; each gains two to four digits."""
+        """Newton iterations for the end of a collision on an interpolant, where it takes any."""
         return 2 if self.budget >= 1e-7 else 4
 
     @property
@@ -170,7 +168,7 @@ class ExactContext:
 
     @property
     def crossing_turns(self) -> int:
-        """The same for v_n = 0, where the work is stationary: half the digits are enough."""
+        """The same for v_n = 0. The work is stationary there: half the digits are enough."""
         return 1 if self.budget >= 1e-7 else 3
 
     @property
@@ -217,18 +215,10 @@ def exact_context(
     masses = masses_of(scene.mass_ratio)
     context = _pressed_context(variant, scene, terms, target, masses)
     if variant.width > 1:
-        require_lanes(scene)
         return replace(context, batch=_pressed_context(variant, scene, terms, target, masses, True))
     if masses.equal or not scene.table_friction or scene.level:
         return context
     return replace(context, other=_pressed_context(variant, scene, terms, target, masses.swapped()))
-
-
-def require_lanes(scene: Scene) -> None:
-    """InputError where a scene has no kernels of several lanes."""
-    reason = scene.without_lanes
-    if reason:
-        raise InputError(f"--scene {scene.name}: {reason}; expected width 1")
 
 
 def _pressed_context(
@@ -299,7 +289,6 @@ def _pressed_context(
         tail_t_y=_times(changes[s.V_N].coeff(s.T2Y), "t_tail_y"),
         slip_names=tuple(SLIPS) if table else CONTACT,
         impulse_names=tuple(IMPULSES) if table else RUBBING,
-        tiny_move=1e-6 if gains else 4e-16,
         tiny_error=1e-36 if gains else 1e-72,
         no_friction=1e-9 if gains else 0.0,
         tiny_friction=1e-9 if gains else 1e-36,

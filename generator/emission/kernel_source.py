@@ -363,6 +363,11 @@ def _exact(context: KernelContext, variant: Variant, target: Target) -> Operatio
 
 
 def _lanes(variant: Variant, target: Target) -> LaneContext:
+    """The vocabulary of a variant's batches. InputError where its scene has none."""
+    scene = find_scene(variant.scene)
+    exact = variant.stepper.family == "exact"
+    if reason := scene.without_exact_lanes if exact else scene.without_lanes:
+        raise InputError(f"--scene {scene.name}: {reason}; expected width 1")
     return lane_context(
         target, variant.width, int(variant["interleave"][1:]), variant["fma"] == "fma"
     )

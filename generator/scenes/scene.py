@@ -174,7 +174,12 @@ class Scene(BaseModel):
 
     @property
     def without_lanes(self) -> str:
-        """Why exact kernels of the scene have one lane alone; empty where they may have more."""
+        """Why kernels of the scene have one lane alone; empty where they may have more."""
+        return "" if self.friction_law == "given" else f"friction_law {self.friction_law}"
+
+    @property
+    def without_exact_lanes(self) -> str:
+        """The same for exact kernels."""
         if self.level:
             return "no vertical slip: its closed form has no lanes to fill"
         if not self.table_friction:
@@ -183,7 +188,7 @@ class Scene(BaseModel):
             return f"precision {self.precision}"
         if not self.equal_masses:
             return "unequal masses"
-        return "" if self.friction_law == "given" else f"friction_law {self.friction_law}"
+        return self.without_lanes
 
     @property
     def unrestricted(self) -> bool:

@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.any.bottom_slip.euler.n1000.x1.reduced.named.factored.paper.ahead.early.fma.chosen.twostage.scalar
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene any --model bottom_slip
-// inputs:   sha256 62af85d236d166df
+// inputs:   sha256 4acf2411aee51e03
 #include "carom.h"
 
 #include <cmath>
@@ -167,7 +167,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 [[maybe_unused]] constexpr double kLargest = std::numeric_limits<double>::max();
 
 // A collision takes about 3/2 N steps at most; a loop that takes 8 N is stuck and ends.
-inline std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }
+constexpr std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }
 
 // 1 / sqrt(n); 0 where n = 0, for zero slip gives zero friction, and where a slip is below 1e-100 m/s,
 // whose inverse cannot be cubed.
