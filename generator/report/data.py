@@ -11,6 +11,10 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from pydantic import BaseModel
+
+from generator.report.measured import CallPoint, GrowthPoint
+
 SCHEMA = 1
 
 
@@ -155,15 +159,6 @@ class KindRow:
 
 
 @dataclass(frozen=True)
-class GrowthRow:
-    role: str
-    steps: int
-    ns: float
-    error: float
-    slipping_error: float
-
-
-@dataclass(frozen=True)
 class GrowthFit:
     """ns = fixed + per_step * N, by least squares of relative deviations."""
 
@@ -221,17 +216,6 @@ class MissRow:
 
 
 @dataclass(frozen=True)
-class CallRow:
-    role: str
-    kernel: str
-    width: int
-    call: str
-    ns: float
-    ratio: float
-    ratio_ci: tuple[float, float]
-
-
-@dataclass(frozen=True)
 class PublishedRow:
     """A row of the report (Li, Egger, Ruff, Pfingsten) beside ours, on its five cases."""
 
@@ -259,13 +243,13 @@ class Report:
     kinds: tuple[KindRow, ...]
     effects: tuple[Effect, ...]
     compilers: tuple[Effect, ...]
-    growth: tuple[GrowthRow, ...]
+    growth: tuple[GrowthPoint, ...]
     growth_fits: tuple[GrowthFit, ...]
     operations: tuple[Operations, ...]
     sections: tuple[Sections, ...]
     modelled: tuple[ModelRow, ...]
     misses: tuple[MissRow, ...]
-    calls: tuple[CallRow, ...]
+    calls: tuple[CallPoint, ...]
     published: tuple[PublishedRow, ...]
     commands: tuple[str, ...]
     missing: dict[str, str] = field(default_factory=dict)
@@ -276,6 +260,8 @@ class Report:
 
 
 def _plain(value: Any) -> Any:
+    if isinstance(value, BaseModel):
+        return _plain(value.model_dump())
     if isinstance(value, dict):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

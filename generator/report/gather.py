@@ -12,10 +12,8 @@ from generator import __version__
 from generator.report import contests as from_trials
 from generator.report.chosen import chosen_of, points_of
 from generator.report.data import (
-    CallRow,
     Contest,
     GrowthFit,
-    GrowthRow,
     KindCell,
     KindRow,
     Machine,
@@ -27,7 +25,7 @@ from generator.report.data import (
     Sections,
     Worst,
 )
-from generator.report.measured import KernelFigures, Measured, sources_hash
+from generator.report.measured import CallPoint, KernelFigures, Measured, sources_hash
 from generator.report.published import NOT_KNOWN, published_rows
 from generator.sweep.record import Final, Run, Trial
 from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
@@ -56,7 +54,7 @@ def gather(
 ) -> Report:
     """All that is known; `missing` names what is not and the command that would make it known."""
     contests = from_trials.contests_of(stored.trials, stored.finals)
-    calls = _calls(measured)
+    calls = measured.calls if measured else ()
     missing = _missing(stored, measured, contests, calls)
     chosen = chosen_of(stored.finals, measured)
     return Report(
@@ -73,7 +71,7 @@ def gather(
         kinds=tuple(_kinds(measured)),
         effects=tuple(from_trials.effects_of(contests)),
         compilers=tuple(from_trials.effects_of(contests, only="compiler")),
-        growth=tuple(_growth(measured)),
+        growth=measured.growth if measured else (),
         growth_fits=tuple(_fits(measured)),
         operations=tuple(_operations(k) for k in _kernels(measured) if k.counts),
         sections=tuple(_sections(k) for k in _kernels(measured) if k.sections and k.timed),
@@ -115,7 +113,10 @@ def _machine(target: str, cpu: str, stored: Stored, measured: Measured | None) -
 
 
 def _missing(
-    stored: Stored, measured: Measured | None, contests: Sequence[Contest], calls: Sequence[CallRow]
+    stored: Stored,
+    measured: Measured | None,
+    contests: Sequence[Contest],
+    calls: Sequence[CallPoint],
 ) -> dict[str, str]:
     """Reasons by the name of the page's section."""
     found: dict[str, str] = {"published": NOT_KNOWN}
@@ -201,11 +202,6 @@ def _kinds(measured: Measured | None) -> list[KindRow]:
     ]
 
 
-def _growth(measured: Measured | None) -> list[GrowthRow]:
-    rows = measured.growth if measured else ()
-    return [GrowthRow(p.role, p.steps, p.ns, p.error, p.slipping_error) for p in rows]
-
-
 def _fits(measured: Measured | None) -> list[GrowthFit]:
     """What each step takes and what none of them does: least squares of relative deviations."""
     found = []
@@ -266,8 +262,3 @@ def _modelled(measured: Measured | None) -> list[ModelRow]:
         for k in _kernels(measured)
         for m in k.modelled
     ]
-
-
-def _calls(measured: Measured | None) -> tuple[CallRow, ...]:
-    rows = measured.calls if measured else ()
-    return tuple(CallRow(p.role, p.name, p.width, p.call, p.ns, p.ratio, p.ratio_ci) for p in rows)

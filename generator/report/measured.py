@@ -18,7 +18,7 @@ from generator.emission.environment import templates_folder
 from generator.emission.files import write_atomically
 from generator.errors import InputError
 
-SCHEMA = 1
+SCHEMA = 2
 _ROOMS = ("mechanics", "steppers", "variants", "lowering", "emission", "verification", "profiling")
 Source = Literal["hardware counters", "valgrind's simulation"]
 
@@ -135,7 +135,7 @@ class CallPoint(_Part):
     """A kernel through carom_collide or carom_collide_batch, against the scalar call."""
 
     role: str
-    name: str
+    kernel: str
     width: int
     call: Literal["scalar", "batch"]
     ns: float
@@ -146,7 +146,7 @@ class CallPoint(_Part):
 class Measured(_Part):
     """The file."""
 
-    schema_version: Literal[1] = SCHEMA
+    schema_version: Literal[2] = SCHEMA
     made_at: str
     sources: str  # `sources_hash` then: what the kernels and their figures follow from
     command: str

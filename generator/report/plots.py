@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from matplotlib.ticker import LogLocator
 
@@ -21,7 +21,9 @@ COLOURS = 8  # classes c0 to c7
 
 
 @dataclass(frozen=True)
-class Mark:
+class Point:
+    """A mark: where it stands in the units of its axes or, in a Plot, in those of the drawing."""
+
     x: float
     y: float
     shape: str
@@ -70,7 +72,7 @@ class Plot:
     x_ticks: tuple[Tick, ...]
     y_ticks: tuple[Tick, ...]
     right_ticks: tuple[Tick, ...]
-    marks: tuple[Mark, ...]
+    marks: tuple[Point, ...]
     lines: tuple[Line, ...]
     bands: tuple[Band, ...]
     legend: tuple[LegendEntry, ...]
@@ -80,19 +82,6 @@ class Plot:
     right: float = RIGHT
     top: float = TOP
     bottom: float = BOTTOM
-
-
-@dataclass(frozen=True)
-class Point:
-    """A mark before it is placed."""
-
-    x: float
-    y: float
-    shape: str
-    colour: int
-    title: str
-    front: bool = False
-    tie: bool = False
 
 
 class LogScale:
@@ -159,8 +148,7 @@ def scatter(
         scale.least, scale.most = (end + math.log10(base_ns) for end in (up.least, up.most))
         right = scale.ticks(nanoseconds)
     marks = tuple(
-        Mark(across(p.x), up(p.y), p.shape, p.colour, p.title, p.front, p.tie)
-        for p in sorted(points, key=lambda p: (p.front, p.tie))
+        replace(p, x=across(p.x), y=up(p.y)) for p in sorted(points, key=lambda p: (p.front, p.tie))
     )
     lines = [Line(_staircase([(across(x), up(y)) for x, y in front]), None, True)] if front else []
     lines += [Line(_path([(across(x), up(y)) for x, y in run]), c) for c, run in series]

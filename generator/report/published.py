@@ -4,8 +4,8 @@ architecture" (ETH): mean cycles over five cases, N = 1000, Ryzen 7 7735U. Nothi
 
 from __future__ import annotations
 
-from generator.report.data import CallRow, PublishedRow
-from generator.report.measured import Measured
+from generator.report.data import PublishedRow
+from generator.report.measured import CallPoint, Measured
 from generator.report.subjects import BASELINE
 from generator.variants.presets import PAPER_PRESETS
 
@@ -19,7 +19,7 @@ NOT_KNOWN = (
 )
 
 
-def published_rows(measured: Measured | None, calls: tuple[CallRow, ...]) -> list[PublishedRow]:
+def published_rows(measured: Measured | None, calls: tuple[CallPoint, ...]) -> list[PublishedRow]:
     """The report's rows in its order, ours beside them where there is one."""
     theirs = {p.name: p.report_cycles for p in PAPER_PRESETS}
     their_first = theirs[BASELINE]
@@ -59,7 +59,7 @@ def _our_cycles(measured: Measured | None, role: str) -> float | None:
     return kernel.timed.seed_cycles if kernel and kernel.timed else None
 
 
-def _spmd(calls: tuple[CallRow, ...]) -> PublishedRow:
+def _spmd(calls: tuple[CallPoint, ...]) -> PublishedRow:
     lanes = [row for row in calls if row.width > 1]
     best = min(lanes, key=lambda row: row.ratio, default=None)
     note = "no kernel with lanes was measured"

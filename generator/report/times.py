@@ -204,7 +204,7 @@ def _call(run: TimingRun, one: Called, label: str, scalar: str) -> CallPoint:
     ratios = run.throughput.ns[label] / run.throughput.ns[scalar]
     return CallPoint(
         role=one.role,
-        name=name_of(one.variant),
+        kernel=name_of(one.variant),
         width=one.variant.width,
         call="batch" if one.batch else "scalar",
         ns=float(np.median(run.throughput.ns[label])),

@@ -17,8 +17,9 @@ from distributed.scheduler import KilledWorker
 
 from generator.choice.workbench import Candidate
 from generator.errors import InputError, KernelError
+from generator.sweep.lab import StationLab
 from generator.sweep.record import Rejection
-from generator.sweep.station import Code, Rules, Station, TimingJob
+from generator.sweep.station import Station, TimingJob
 from generator.sweep.worker import (
     Built,
     Identity,
@@ -30,13 +31,12 @@ from generator.sweep.worker import (
     time_on_worker,
 )
 from generator.targets.target import Target
-from generator.variants.variant import Variant
 
 BUILD_SHARE = 1 / 64
 _POLL = 0.5  # seconds between two looks at which workers there are
 
 
-class ClusterLab:
+class ClusterLab(StationLab):
     """Workers of a cluster that are the target's CPU and have the same sources as this clone.
 
     Raises InputError, also later, where there has been none for `patience` seconds; it names the
@@ -51,9 +51,8 @@ class ClusterLab:
         patience: float,
         identity: Callable[[], Identity] = identify,
     ) -> None:
+        super().__init__(station, target)
         self.client = client
-        self.station = station
-        self.target = target
         self.patience = patience
         self.refused: dict[str, str] = {}  # workers that are not what they announce, and why
         self.jobs: dict[str, int] = {}  # done, by worker
@@ -63,18 +62,8 @@ class ClusterLab:
         self._wait_for_worker()
         assert self._wanted is not None
         self.cpu = f"{target.name}, {self._wanted.cpu}"
-        self.compilers = {c.code: c.version for c in station.bench.compilers.values()}
 
     # -- as Lab --
-
-    def rules(self, steps: int | None, batches: bool) -> Rules:
-        return self.station.rules(steps, batches)
-
-    def code(self, variant: Variant) -> Code:
-        return self.station.code(variant, self.target)
-
-    def candidate(self, variant: Variant) -> Candidate:
-        return self.station.emit(variant, self.target)
 
     def build(
         self, candidates: Sequence[Candidate]

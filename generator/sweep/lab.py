@@ -49,14 +49,12 @@ class Lab(Protocol):
         """
 
 
-class LocalLab:
-    """This machine."""
+class StationLab:
+    """What labs have in common: texts and rules are made here, wherever the jobs are done."""
 
-    def __init__(self, station: Station, target: Target, workers: int | None = None) -> None:
+    def __init__(self, station: Station, target: Target) -> None:
         self.station = station
         self.target = target
-        self.workers = workers or os.cpu_count() or 1
-        self.cpu = f"{target.name}, {station.host().cpu}"
         self.compilers = {c.code: c.version for c in station.bench.compilers.values()}
 
     def rules(self, steps: int | None, batches: bool) -> Rules:
@@ -67,6 +65,15 @@ class LocalLab:
 
     def candidate(self, variant: Variant) -> Candidate:
         return self.station.emit(variant, self.target)
+
+
+class LocalLab(StationLab):
+    """This machine."""
+
+    def __init__(self, station: Station, target: Target, workers: int | None = None) -> None:
+        super().__init__(station, target)
+        self.workers = workers or os.cpu_count() or 1
+        self.cpu = f"{target.name}, {station.host().cpu}"
 
     def build(
         self, candidates: Sequence[Candidate]

@@ -327,7 +327,7 @@ def make_measured(target: str, seed: int = 1) -> Measured:
         calls=tuple(
             CallPoint(
                 role=EULER,
-                name=name_of(rows[EULER]),
+                kernel=name_of(rows[EULER]),
                 width=width,
                 call="batch" if width > 1 else "scalar",
                 ns=9000.0 / width,
