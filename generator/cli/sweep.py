@@ -30,6 +30,11 @@ DEFAULT_MINUTES = 19.0
 @click.option("--write", is_flag=True, help="make generated/TARGET/SCENE/ of what was chosen")
 @click.option("--out", type=click.Path(path_type=Path), help="with --write: not generated/")
 @click.option("--verify-choice", is_flag=True, help="only time the choice against the next best")
+@click.option(
+    "--rivals",
+    type=click.Path(path_type=Path),
+    help="with --verify-choice: a store with more kernels to time it against",
+)
 @click.option("--best", default=5, show_default=True, type=click.IntRange(2, 64), help="so many")
 @click.option("--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the jobs")
 @click.option("--wait", default=60.0, show_default=True, help="seconds for a worker to appear")

@@ -53,6 +53,7 @@ class Asked:
     write: bool
     out: Path | None
     verify_choice: bool
+    rivals: Path | None
     best: int
     scheduler: str | None
     wait: float
@@ -113,7 +114,8 @@ def _work(asked: Asked, plan: Plan, lab: Lab, store: ResultStore, started: float
     with displayed(SweepDisplay(started, end, plan.trials), Console(stderr=True)) as observe:
         if asked.verify_choice:
             todo = explorations(plan, lab, ledger, observe)
-            finals = [verify_choice(each, store, asked.best) for each in todo]
+            with _rivals(asked) as rivals:
+                finals = [verify_choice(each, store, asked.best, rivals) for each in todo]
         else:
             outcomes = run_sweep(plan, lab, ledger, observe, started)
     if asked.verify_choice:
@@ -137,11 +139,25 @@ def _require_places(asked: Asked) -> None:
     if asked.verify_choice:
         with read_only(asked.place):
             pass
+    if asked.rivals is not None and not asked.verify_choice:
+        raise InputError(f"--rivals {asked.rivals}: is for --verify-choice, which was not given")
+    with _rivals(asked):
+        pass
     if asked.out is not None and not asked.write:
         raise InputError(f"--out {asked.out}: is for --write, which was not given")
     if asked.write:
         checked_selection(_folder(asked))
         require_writable(_folder(asked))
+
+
+@contextmanager
+def _rivals(asked: Asked) -> Iterator[ResultStore | None]:
+    """The other store whose kernels a choice is timed against, if one was named."""
+    if asked.rivals is None:
+        yield None
+        return
+    with read_only(asked.rivals) as store:
+        yield store
 
 
 def _say_stopped(asked: Asked) -> None:

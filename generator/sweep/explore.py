@@ -79,7 +79,9 @@ class Exploration:
     def run(self) -> None:
         """Waves until the search has nothing left or the budget is used up."""
         while not self.budget.over(self.tried):
-            wave = self.search.next_wave(WAVE, [(e.variant, e.ratio) for e in self.ranked()])
+            timed = [(e.variant, e.ratio) for e in self.ranked()]
+            rejected = [e.variant for e in self.entries.values() if e.last.rejection is not None]
+            wave = self.search.next_wave(WAVE, timed, rejected)
             if not wave:
                 self.complete = True
                 break

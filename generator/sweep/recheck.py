@@ -14,8 +14,10 @@ from generator.sweep.store import ResultStore
 ROUNDS = 150  # in each process
 
 
-def verify_choice(exploration: Exploration, store: ResultStore, best: int) -> Final:
-    """The choice and the next `best - 1` of all that the store has, interleaved.
+def verify_choice(
+    exploration: Exploration, store: ResultStore, best: int, rivals: ResultStore | None = None
+) -> Final:
+    """The choice and the next `best - 1` of all that the store and that of rivals has, interleaved.
 
     Raises InputError where the store has no choice for the contest.
     """
@@ -25,6 +27,8 @@ def verify_choice(exploration: Exploration, store: ResultStore, best: int) -> Fi
         raise InputError(f"{store.path}: no choice for {contest}; run ./gen sweep first")
     last = finals[-1]
     entries = stored_entries(store, contest)
+    if rivals is not None:
+        entries = stored_entries(rivals, contest) | entries
     chosen = entries[identity(row_of(last, last.chosen).subject)]
     picked = [chosen]
     for entry in by_ratio(list(entries.values())):

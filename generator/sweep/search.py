@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from random import Random
@@ -16,6 +17,7 @@ from generator.variants.variant import Variant
 
 LEADERS = 5  # the best so far, all of whose neighbours are tried
 _RANDOM_SHARE = 6  # one in so many is drawn at random, against a search that sees only one valley
+_DOUBTFUL = 3  # variants with an option, all rejected: what else has it comes last
 _RIDGE = 0.1
 
 
@@ -57,6 +59,7 @@ class Search:
     First the seeds, and random variants until every option has been tried; then waves out of what
     lies one option from the leaders and two from the best, in the order that the model of times
     gives, with some random ones among them. It ends where that neighbourhood has been tried.
+    An exhaustive one takes all, in a random order: as much of it as was done is a fair sample.
     """
 
     space: Space
@@ -64,12 +67,17 @@ class Search:
     random: Random
     exhaustive: bool = False
     proposed: set[str] = field(default_factory=set)
+    _tried: set[tuple[str, str]] = field(default_factory=set)  # options
 
     def __post_init__(self) -> None:
-        first = self.space.everything() if self.exhaustive else self._first()
-        self._first_ones: Iterator[Variant] = iter(first)
+        self._first_ones = self._everything() if self.exhaustive else self._first()
 
-    def next_wave(self, size: int, ratios: Sequence[tuple[Variant, float]]) -> list[Variant]:
+    def next_wave(
+        self,
+        size: int,
+        ratios: Sequence[tuple[Variant, float]],
+        rejected: Sequence[Variant] = (),
+    ) -> list[Variant]:
         """Up to `size` variants; none where all is done. `ratios`: what was timed, best first."""
         wave: list[Variant] = []
         for variant in self._first_ones:
@@ -79,7 +87,12 @@ class Search:
                 return wave
         if self.exhaustive or not ratios:
             return wave
-        return wave + self._promising(size - len(wave), ratios)
+        return wave + self._promising(size - len(wave), ratios, rejected)
+
+    def _everything(self) -> Iterator[Variant]:
+        found = list(self.space.everything())
+        self.random.shuffle(found)
+        yield from found
 
     def _first(self) -> Iterator[Variant]:
         yield from (variant for variant in self.seeds if self.space.has(variant))
@@ -90,6 +103,8 @@ class Search:
             for code in codes
         }
         for key, code in options:
+            if (key, code) in self._tried:
+                continue
             drawn = self.space.drawn(self.random, **{key: code})
             if drawn is not None:
                 yield drawn
@@ -98,14 +113,22 @@ class Search:
         name = name_of(variant)
         new = name not in self.proposed
         self.proposed.add(name)
+        self._tried.update(variant.options)
         return new
 
-    def _promising(self, size: int, ratios: Sequence[tuple[Variant, float]]) -> list[Variant]:
+    def _promising(
+        self, size: int, ratios: Sequence[tuple[Variant, float]], rejected: Sequence[Variant]
+    ) -> list[Variant]:
         near = self._near([variant for variant, _ in ratios[:LEADERS]])
         if not near:
             return []
-        model = EffectModel.fit(ratios)
-        ranked = sorted(near.items(), key=lambda item: (model.ratio(item[1]), item[0]))
+        model, doubtful = EffectModel.fit(ratios), _doubtful(ratios, rejected)
+
+        def promise(item: tuple[str, Variant]) -> tuple[bool, float, str]:
+            name, variant = item
+            return not doubtful.isdisjoint(features(variant)), model.ratio(variant), name
+
+        ranked = sorted(near.items(), key=promise)
         chosen = dict(ranked[: size - size // _RANDOM_SHARE])
         for _ in range(size - len(chosen)):
             drawn = self.space.drawn(self.random)
@@ -121,3 +144,10 @@ class Search:
         others = [one for leader in leaders[1:] for one in self.space.neighbours(leader)]
         found = {name_of(variant): variant for variant in (*first, *others, *second)}
         return {name: v for name, v in found.items() if name not in self.proposed}
+
+
+def _doubtful(ratios: Sequence[tuple[Variant, float]], rejected: Sequence[Variant]) -> set[str]:
+    """Options that no variant with them has passed with, of which the model knows nothing."""
+    passed = {name for variant, _ in ratios for name in features(variant)}
+    failed = Counter(name for variant in rejected for name in features(variant))
+    return {name for name, n in failed.items() if n >= _DOUBTFUL and name not in passed}

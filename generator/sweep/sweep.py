@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from random import Random
 
-from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
+from generator.choice.candidates import (
+    baseline,
+    batch_candidates,
+    exact_candidates,
+    fixed_step_candidates,
+)
 from generator.choice.lookup import Goal, default_kernel
 from generator.choice.workbench import Candidate
 from generator.errors import InputError, KernelError
@@ -17,7 +22,7 @@ from generator.sweep.lab import Lab
 from generator.sweep.ledger import Ledger
 from generator.sweep.record import Final
 from generator.sweep.search import Search
-from generator.sweep.space import Contest, Space, in_width, variant_of_subject
+from generator.sweep.space import Contest, Space, variant_of_subject
 from generator.sweep.station import BASELINE_STEPS
 from generator.targets.target import Target
 from generator.variants.axes import axes_of
@@ -99,7 +104,9 @@ def _baseline(plan: Plan, contest: Contest, lab: Lab) -> Candidate:
 
 
 def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
-    """The main job's candidates in each width, those that may be chosen first."""
+    """The main job's candidates, those that may be chosen first."""
+    if contest.call == "batch":
+        return _seeds_in_lanes(plan, contest)
     target, scene, model = plan.target, contest.scene, contest.model
     if contest.steps is not None:
         known = fixed_step_candidates(target, scene, model, contest.steps, plan.compilers)
@@ -107,7 +114,15 @@ def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
         assert contest.budget is not None
         known = exact_candidates(target, scene, model, contest.budget, plan.compilers)
     known.sort(key=lambda variant: variant["flags"] != "strict")
-    return [in_width(v, width) for width in plan.widths[contest.call] for v in known]
+    return known
+
+
+def _seeds_in_lanes(plan: Plan, contest: Contest) -> list[Variant]:
+    """The kernels used before anything was timed, as the main job puts them in lanes."""
+    goal = Goal(steps=contest.steps, budget=contest.budget)
+    first = default_kernel(plan.target, contest.scene, contest.model, goal)
+    singles = [replace(first, stepper=stepper) for stepper in contest.steppers()]
+    return [v for one in singles for v in batch_candidates(one, plan.target, plan.compilers)]
 
 
 def run_sweep(
