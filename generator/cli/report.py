@@ -114,7 +114,7 @@ def _stored(place: Path, named: bool, target: str, scene: str, model: str) -> St
             if (t.subject.target, t.subject.scene, t.subject.model) == (target, scene, model)
         )
         used = {t.run for t in trials}
-        runs = tuple(r for r in records.runs() if r.run in used)
+        runs = tuple(r for r in records.runs() if r.id in used)
         return Stored(runs, trials, last_finals(records.finals(), target, scene, model))
 
 

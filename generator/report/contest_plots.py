@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from generator.report.contests import MORE_EXACT
 from generator.report.data import Contest, PlainPoint, Report, VariantPoint
 from generator.report.plots import COLOURS, LegendEntry, Plot, Point, nanoseconds, scatter
 from generator.report.subjects import BASELINE
@@ -135,7 +136,7 @@ def _ties(marks: Iterable[Point]) -> list[LegendEntry]:
 def _front(points: Sequence[Point]) -> list[tuple[float, float]]:
     front: list[tuple[float, float]] = []
     for point in sorted(points, key=lambda p: (p.y, p.x)):
-        if not front or point.x < front[-1][0]:
+        if not front or point.x < MORE_EXACT * front[-1][0]:
             front.append((point.x, point.y))
     return front
 

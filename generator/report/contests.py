@@ -13,6 +13,7 @@ from generator.sweep.record import Final, Run, Trial
 from generator.timing.ratios import median_interval
 from generator.variants.axes import axis
 
+MORE_EXACT = 0.99  # a front goes on where an error is less by 1 %: last digits are not exactness
 EXACT, SCHEME = "the exact result", "the same scheme in long double"
 
 
@@ -126,21 +127,22 @@ def _point(trial: Trial, axes: Sequence[str], ties: set[str]) -> VariantPoint:
 
 
 def _band(points: Sequence[VariantPoint], final: Final | None) -> tuple[float, float] | None:
-    """Ratios of the final's fastest kernel as far as the A/A control goes to either side."""
-    if final is None:
-        return None
-    fastest = next((f for f in final.finalists if f.subject.name == final.fastest), None)
-    if fastest is None:
+    """About the mark of the final's fastest kernel, as far as the A/A control goes to either side.
+
+    About its mark, not its ratio in the final: that was taken at another time, in other company.
+    """
+    fastest = next((p for p in points if final and p.name == final.fastest), None)
+    if final is None or fastest is None:
         return None
     low, high = final.control
-    return fastest.times.ratio * low, fastest.times.ratio * high
+    return fastest.ratio * low, fastest.ratio * high
 
 
 def _with_front(points: Sequence[VariantPoint]) -> tuple[VariantPoint, ...]:
     """`points` fastest first: those more exact than all faster ones are on the front."""
     least, found = float("inf"), []
     for point in points:
-        front = point.error < least
+        front = point.error < MORE_EXACT * least
         least = min(least, point.error) if front else least
         found.append(replace(point, front=front))
     return tuple(found)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from generator.profiling.sections import SECTIONS
 from generator.report.contest_plots import contest_plots
-from generator.report.data import Report
+from generator.report.data import Effect, Report
 from generator.report.plots import LegendEntry, Plot, Point, nanoseconds, scatter
 from generator.report.row_plots import Rows, ratio_rows, stacked_rows
 from generator.variants.axes import axis
@@ -23,10 +25,10 @@ def plots_of(report: Report) -> dict[str, tuple[Plot | Rows, ...]]:
 
 
 def _effect_plots(report: Report) -> list[Rows]:
-    """What each option does against the axis' default; all pairs are in the table."""
+    """What each option does, a row each; all pairs are in the table."""
     found = []
     for family in ("euler", "exact"):
-        own = [e for e in report.effects if e.family == family and e.other == _default(e.axis)]
+        own = one_each(e for e in report.effects if e.family == family)
         rows = []
         for effect in own:
             low, high = effect.ratio_ci
@@ -47,6 +49,20 @@ def _effect_plots(report: Report) -> list[Rows]:
             ]
             found.append(ratio_rows(f"effects-{family}", title, label, rows, legend))
     return found
+
+
+def one_each(effects: Iterable[Effect]) -> list[Effect]:
+    """Each option against its axis' default or, where no pair has that, in the most pairs."""
+    found: dict[tuple[str, str], Effect] = {}
+    for effect in effects:
+        known = found.setdefault((effect.axis, effect.code), effect)
+        if _rank(effect) > _rank(known):
+            found[effect.axis, effect.code] = effect
+    return list(found.values())
+
+
+def _rank(effect: Effect) -> tuple[bool, int]:
+    return effect.other == _default(effect.axis), effect.pairs
 
 
 def _default(key: str) -> str:

@@ -7,6 +7,7 @@ variant that names it when pointed at: pictures of a plotting library do neither
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,6 +15,7 @@ from matplotlib.ticker import LogLocator
 
 WIDTH, HEIGHT = 760.0, 430.0
 LEFT, RIGHT, TOP, BOTTOM = 74.0, 74.0, 14.0, 54.0
+SIDE, SIDEWAYS = 9.0, 5  # width of a mark, and so many to either side of where they all belong
 LEAST_SPAN = 0.6  # decades of an axis: marks that differ by a hair should look so
 
 SHAPES = ("circle", "square", "triangle", "diamond", "star")
@@ -147,9 +149,8 @@ def scatter(
         scale = LogScale([], HEIGHT - BOTTOM, TOP)
         scale.least, scale.most = (end + math.log10(base_ns) for end in (up.least, up.most))
         right = scale.ticks(nanoseconds)
-    marks = tuple(
-        replace(p, x=across(p.x), y=up(p.y)) for p in sorted(points, key=lambda p: (p.front, p.tie))
-    )
+    placed_marks = [replace(p, x=across(p.x), y=up(p.y)) for p in points]
+    marks = tuple(sorted(_side_by_side(placed_marks), key=lambda p: (p.front, p.tie)))
     lines = [Line(_staircase([(across(x), up(y)) for x, y in front]), None, True)] if front else []
     lines += [Line(_path([(across(x), up(y)) for x, y in run]), c) for c, run in series]
     placed = tuple(_band(up, low, high, text) for low, high, text in bands)
@@ -167,6 +168,29 @@ def scatter(
         placed,
         tuple(legend),
     )
+
+
+def _side_by_side(marks: Sequence[Point]) -> list[Point]:
+    """Marks moved sideways, a little, where they would hide each other; those of a front stay."""
+    taken: dict[int, list[tuple[float, float]]] = defaultdict(list)
+    found = []
+    for mark in sorted(marks, key=lambda p: (not p.front, not p.tie, p.y, p.x, p.title)):
+        row = int(mark.y // SIDE)
+        near = [place for other in (row - 1, row, row + 1) for place in taken[other]]
+        x = next((x for x in _beside(mark.x) if not _hides(x, mark.y, near)), mark.x)
+        taken[row].append((x, mark.y))
+        found.append(replace(mark, x=round(x, 1)))
+    return found
+
+
+def _beside(x: float) -> list[float]:
+    """Places to try, the nearest first."""
+    steps = sorted(range(-SIDEWAYS, SIDEWAYS + 1), key=abs)
+    return [x + SIDE * n for n in steps if LEFT < x + SIDE * n < WIDTH - RIGHT]
+
+
+def _hides(x: float, y: float, near: Iterable[tuple[float, float]]) -> bool:
+    return any(abs(x - a) < SIDE and abs(y - b) < SIDE / 2 for a, b in near)
 
 
 def _band(up: LogScale, low: float, high: float, text: str) -> Band:

@@ -124,7 +124,7 @@ def _errors(variant: Variant, random: Random) -> Errors:
     )
 
 
-def _trial(contest: Contest, variant: Variant, random: Random, rejected: bool) -> Trial:
+def _trial(run: Run, contest: Contest, variant: Variant, random: Random, rejected: bool) -> Trial:
     subject = contest.subject(variant)
     depends = Depends(
         source=name_of(variant),
@@ -141,7 +141,7 @@ def _trial(contest: Contest, variant: Variant, random: Random, rejected: bool) -
     )
     return Trial(
         key=trial_key(depends, 0),
-        run="run",
+        run=run.id,
         made_at=AT,
         machine="made-up",
         subject=subject,
@@ -154,7 +154,7 @@ def _trial(contest: Contest, variant: Variant, random: Random, rejected: bool) -
     ).sealed()
 
 
-def _final(contest: Contest, trials: list[Trial]) -> Final:
+def _final(run: Run, contest: Contest, trials: list[Trial]) -> Final:
     best = sorted((t for t in trials if t.times), key=lambda t: t.times.ratio)[:5]  # type: ignore[union-attr]
     finalists = tuple(
         Finalist(
@@ -170,7 +170,7 @@ def _final(contest: Contest, trials: list[Trial]) -> Final:
     )
     return Final(
         key=contest.name,
-        run="run",
+        run=run.id,
         made_at=AT,
         machine="made-up",
         contest=contest.name,
@@ -206,9 +206,9 @@ def make_store(path: Path, target: str, count: int, seed: int = 1) -> MadeStore:
         wanted = count // 2 if contest.steps else 60
         trials = []
         for n, variant in enumerate(_variants(contest, wanted, random)):
-            trials.append(_trial(contest, variant, random, n % 9 == 8))
+            trials.append(_trial(run, contest, variant, random, n % 9 == 8))
             rejected += n % 9 == 8
-        records += [*trials, _final(contest, trials)]
+        records += [*trials, _final(run, contest, trials)]
     with opened(path):
         pass  # makes the table
     with sqlite3.connect(path) as connection:  # one transaction instead of thousands

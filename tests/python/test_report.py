@@ -22,9 +22,12 @@ from generator.cli.case_table import read_case_table
 from generator.cli.main import gen
 from generator.report.accuracy import kinds_of
 from generator.report.contests import contests_of, effects_of, latest, summary_of
+from generator.report.data import Effect
 from generator.report.gather import gather
 from generator.report.measured import Measured, measured_path, read_measured, write_measured
 from generator.report.page import render
+from generator.report.pictures import one_each
+from generator.report.plots import SIDE, Point, scatter
 from generator.report.published import NUMBA_CYCLES
 from generator.report.subjects import BASELINE, BEST, EULER, Subject, calls, last_finals
 from generator.sweep.record import Final, Trial
@@ -282,6 +285,74 @@ def test_kernels_with_lanes_are_called_beside_the_scalar_one_of_their_goal(made:
 def finals_width(finals: dict[str, Final]) -> int:
     final = next(f for name, f in finals.items() if name.endswith("n1000/batch"))
     return next(f.subject.width for f in final.finalists if f.subject.name == final.chosen)
+
+
+def test_the_runs_of_the_sweep_are_named_with_their_compilers(made: Made) -> None:
+    document = made.document()
+    print(document["commands"], document["machine"]["compilers"])
+    assert document["commands"][0] == "./gen sweep --minutes 19"
+    assert document["sweep"]["commands"] == ["./gen sweep --minutes 19"]
+    assert document["machine"]["seeds"]["sweep"] == 1
+    with read_only(made.store.path) as store:
+        assert {t.run for t in store.trials()} == {run.id for run in store.runs()}
+
+
+def test_the_tie_band_lies_about_the_mark_of_the_fastest(made: Made) -> None:
+    """A final's ratios are of another time: the same kernel's mark may lie elsewhere."""
+    with read_only(made.store.path) as store:
+        [first, *_] = store.finals()
+        trials = [t for t in store.trials() if t.subject.contest == first.contest]
+    slower = [
+        row.model_copy(update={"times": row.times.model_copy(update={"ratio": 9.0})})
+        for row in first.finalists
+    ]
+    final = first.model_copy(update={"finalists": tuple(slower)})
+    [contest] = contests_of(trials, {first.contest: final})
+    mark = next(v for v in contest.variants if v.name == final.fastest)
+    assert contest.band == tuple(mark.ratio * end for end in final.control)
+
+
+def test_a_front_takes_no_step_for_the_last_digits_of_an_error(made: Made) -> None:
+    with read_only(made.store.path) as store:
+        first = next(t for t in store.trials() if t.times and t.errors)
+
+    def like(name: str, ratio: float, error: float) -> Trial:
+        return first.model_copy(
+            update={
+                "subject": first.subject.model_copy(update={"name": name}),
+                "times": first.times.model_copy(update={"ratio": ratio}),
+                "errors": first.errors.model_copy(update={"max_rel_error": error}),
+            }
+        )
+
+    rows = [like("a", 0.5, 1e-6), like("b", 0.6, 0.999e-6), like("c", 0.7, 0.5e-6)]
+    [contest] = contests_of(rows, {})
+    assert {v.name: v.front for v in contest.variants} == {"a": True, "b": False, "c": True}
+
+
+def test_marks_of_equal_kernels_do_not_hide_each_other(made: Made) -> None:
+    points = [Point(1e-6, 0.5 + 1e-4 * n, "circle", 0, str(n), front=n == 3) for n in range(11)]
+    plot = scatter("p", "t", points, [], "x", "y")
+    places = {mark.title: (mark.x, mark.y) for mark in plot.marks}
+    apart = min(
+        max(abs(a[0] - b[0]) / SIDE, abs(a[1] - b[1]) / (SIDE / 2))
+        for a, b in itertools.combinations(places.values(), 2)
+    )
+    alone = scatter("p", "t", points[3:4], [], "x", "y").marks[0]
+    print(f"{len(places)} marks, the nearest two are {apart:.2f} of a mark apart")
+    assert apart >= 1
+    assert places["3"][0] == alone.x  # of the front: where it belongs
+
+
+def test_each_option_has_a_row_even_if_none_was_timed_with_the_default(made: Made) -> None:
+    def effect(code: str, other: str, pairs: int) -> Effect:
+        return Effect("euler", "rsqrt", code, other, "", pairs, 0.9, (0.8, 1.0))
+
+    rows = [effect("est1", "inv", 8), effect("ahead", "inv", 3), effect("ahead", "est1", 6)]
+    shown = [(e.code, e.other) for e in one_each(rows)]
+    assert shown == [("est1", "inv"), ("ahead", "est1")]
+    rows.append(effect("ahead", "div", 1))  # the axis' default
+    assert [(e.code, e.other) for e in one_each(rows)] == [("est1", "inv"), ("ahead", "div")]
 
 
 def test_rejections_are_counted_by_reason(made: Made) -> None:
