@@ -80,7 +80,8 @@ def report(
         )
     commands = [*dict.fromkeys(run.command for run in stored.runs)]
     commands += [measured.command] if measured else []
-    commands.append(f"./gen report{options} --out {out.name}")
+    where = f" --store {store}" if store else ""
+    commands.append(f"./gen report{options}{where} --out {out.name}")
     made = gather(resolved.name, scene, known, host.cpu, stored, measured, commands)
     page = render(made)
     write_atomically(data, json_of(made) + "\n")

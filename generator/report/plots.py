@@ -190,7 +190,7 @@ def _beside(x: float) -> list[float]:
 
 
 def _hides(x: float, y: float, near: Iterable[tuple[float, float]]) -> bool:
-    return any(abs(x - a) < SIDE and abs(y - b) < SIDE / 2 for a, b in near)
+    return any(abs(x - a) < SIDE and abs(y - b) < SIDE for a, b in near)
 
 
 def _band(up: LogScale, low: float, high: float, text: str) -> Band:

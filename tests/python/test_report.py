@@ -291,6 +291,8 @@ def test_the_runs_of_the_sweep_are_named_with_their_compilers(made: Made) -> Non
     document = made.document()
     print(document["commands"], document["machine"]["compilers"])
     assert document["commands"][0] == "./gen sweep --minutes 19"
+    last = f"./gen report --target {TARGET} --store {made.store.path} --out report.html"
+    assert document["commands"][-1] == last
     assert document["sweep"]["commands"] == ["./gen sweep --minutes 19"]
     assert document["machine"]["seeds"]["sweep"] == 1
     with read_only(made.store.path) as store:
@@ -335,7 +337,7 @@ def test_marks_of_equal_kernels_do_not_hide_each_other(made: Made) -> None:
     plot = scatter("p", "t", points, [], "x", "y")
     places = {mark.title: (mark.x, mark.y) for mark in plot.marks}
     apart = min(
-        max(abs(a[0] - b[0]) / SIDE, abs(a[1] - b[1]) / (SIDE / 2))
+        max(abs(a[0] - b[0]), abs(a[1] - b[1])) / SIDE
         for a, b in itertools.combinations(places.values(), 2)
     )
     alone = scatter("p", "t", points[3:4], [], "x", "y").marks[0]
