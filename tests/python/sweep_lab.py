@@ -33,6 +33,7 @@ ZEN3 = find_target("zen3")
 FIXED = Contest("zen3", "any", "pooltool", 1000, None, "scalar")
 BATCH = Contest("zen3", "any", "pooltool", 1000, None, "batch")
 EXACT = Contest("zen3", "any", "pooltool", None, 1e-6, "scalar")
+EXACT_BATCH = Contest("zen3", "any", "pooltool", None, 1e-6, "batch")
 
 Refuse = Callable[[Variant], Rejection | None]
 

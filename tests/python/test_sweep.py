@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import random
 import time
@@ -13,16 +14,20 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
-from sweep_lab import BATCH, EXACT, FIXED, ZEN3, FakeLab, landscape, plan, swept
+from sweep_lab import BATCH, EXACT, EXACT_BATCH, FIXED, ZEN3, FakeLab, landscape, plan, swept
+from sweep_records import trial as timed_trial
 
 import generator.variants.axes as axes_module
 from generator.errors import InputError, KernelCrash
-from generator.sweep.finals import NEGLIGIBLE, row_of
-from generator.sweep.ladder import KEPT, RUNGS
+from generator.sweep.finals import NEGLIGIBLE, beaten_by, row_of
+from generator.sweep.ladder import KEPT, RUNGS, Entry, promoted
+from generator.sweep.recheck import verify_choice
 from generator.sweep.record import Final, Rejection, Run
-from generator.sweep.space import Space, parse_only, variant_of_subject
+from generator.sweep.search import Search
+from generator.sweep.space import Contest, Space, parse_only, variant_of_subject
 from generator.sweep.station import TimingJob
 from generator.sweep.store import opened
+from generator.sweep.sweep import explorations
 from generator.variants.axes import Axis, Choice, axes_of
 from generator.variants.names import name_of
 from generator.variants.rules import broken_rule
@@ -82,6 +87,85 @@ def test_a_search_tries_legal_variants_only_each_once_and_every_option(tmp_path:
     wanted = {(a.key, code) for a, codes in space({}).axes(1) for code in codes}
     print(f"{len(wanted)} options, not tried: {sorted(wanted - seen)}")
     assert wanted == seen
+
+
+@pytest.mark.parametrize("contest", [BATCH, EXACT_BATCH])
+def test_a_sweep_of_batches_begins_with_the_widest_lanes(contest: Contest, tmp_path: Path) -> None:
+    """With all steppers, so that one that ends early has tried what is likely to win."""
+    with opened(tmp_path / "s.sqlite") as store:
+        [outcome], _ = swept(store, FakeLab(), plan(contest, trials=12))
+    tried = [e.variant for e in outcome.exploration.entries.values()]
+    widths = Counter((v.stepper.name, v.width) for v in tried)
+    print(f"{contest.name}: {dict(widths)}")
+    assert {name for name, width in widths if width == 4} == {s.name for s in contest.steppers()}
+    assert sum(n for (_, width), n in widths.items() if width == 4) >= len(tried) / 2
+
+
+def test_part_of_an_exhaustive_sweep_is_a_fair_sample_that_the_seed_tells() -> None:
+    def first(seed: int, count: int) -> list[Variant]:
+        return Search(space(STRICT), (), random.Random(seed), True).next_wave(count, [])
+
+    everything = list(space(STRICT).everything())
+    sample = first(1, 400)
+    assert sample == first(1, 400) != first(2, 400)
+    assert {name_of(v) for v in first(1, len(everything))} == {name_of(v) for v in everything}
+    for axis, codes in space(STRICT).axes(1):
+        for code in codes:
+            share, wanted = (
+                sum(v[axis.key] == code for v in some) / len(some) for some in (sample, everything)
+            )
+            allowed = 4 * math.sqrt(wanted * (1 - wanted) / len(sample))  # standard deviations
+            assert abs(share - wanted) <= allowed, (axis.key, code, share, wanted)
+
+
+def test_what_has_an_option_that_was_always_rejected_comes_last(tmp_path: Path) -> None:
+    """The model of times knows nothing of it: it would promise as much as the mean."""
+
+    def refuse(variant: Variant) -> Rejection | None:
+        bad = variant["rsqrt"] in ("est1", "est2")
+        return Rejection(reason="wrong result", text="made to") if bad else None
+
+    with opened(tmp_path / "s.sqlite") as store:
+        asked = plan(FIXED, only=STRICT, trials=150)
+        [outcome], _ = swept(store, FakeLab(refuse=refuse), asked)
+    order = [refuse(e.variant) is not None for e in outcome.exploration.entries.values()]
+    late = sum(order[-100:])
+    print(f"rejected: {sum(order)} of {len(order)}, of the last 100 {late}")
+    assert sum(order) > 3  # some were: the options had to be tried
+    assert late <= 100 / 6  # those drawn at random
+
+
+def test_who_may_be_the_fastest_by_its_interval_is_timed_for_longer() -> None:
+    """On a busy machine a rung's intervals may span a factor of six."""
+
+    def entry(number: int, ratio: float, low: float) -> Entry:
+        made = timed_trial(ratio)
+        times = made.times.model_copy(update={"ratio": ratio, "ratio_ci": (low, 9.0)})
+        variant = next(space({**SMALLER, "rsqrt": ("inv",)}).everything())
+        subject = made.subject.model_copy(update={"name": f"kernel {number}"})
+        return Entry(variant, [made.model_copy(update={"times": times, "subject": subject})])
+
+    sure = [entry(n, 0.5 + 0.1 * n, 0.49 + 0.1 * n) for n in range(8)]
+    wide = entry(8, 1.4, 0.4)
+    assert promoted([*sure, wide], 0) == [*sure[:3], wide]
+    assert promoted(sure, 0) == sure[:2]
+
+
+def test_a_choice_can_be_timed_against_the_kernels_of_another_store(tmp_path: Path) -> None:
+    """As against those of an exhaustive sweep, of which the first one saw a part."""
+    slow = plan(FIXED, only={**SMALLER, "rsqrt": ("inv",)}, exhaustive=True)
+    lab = FakeLab(speed=lambda v: 0.5 if v["rsqrt"] == "ahead" else 0.6)
+    with opened(tmp_path / "all.sqlite") as rivals, opened(tmp_path / "s.sqlite") as store:
+        swept(rivals, lab, plan(FIXED, only=SMALLER, exhaustive=True))
+        [outcome], ledger = swept(store, lab, slow)
+        again = explorations(slow, lab, ledger, lambda progress: None)
+        held = verify_choice(again[0], store, 5)
+        beaten = verify_choice(again[0], store, 5, rivals)
+    assert outcome.final is not None and held.chosen == beaten.chosen == outcome.final.chosen
+    assert not any(b.clear for b in beaten_by(held))
+    [first, *_] = beaten_by(beaten)
+    print(f"beaten by {100 * (first.gain - 1):.1f} %: {first.name}")
+    assert first.clear and first.gain == pytest.approx(1.2, abs=0.02)
 
 
 def test_a_new_axis_is_swept_without_being_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -184,6 +184,7 @@ def test_wrong_use_is_one_line_and_writes_nothing(tmp_path: Path) -> None:
         (["--verify-choice", "--steps", "100"], [str(path), "no store of a sweep"]),
         (["--only", "branch=chosen", "--only", "rsqrt=div"], ["--only", "no legal variant"]),
         (["--out", tmp_path], ["--out", "--write"]),
+        (["--rivals", path], ["--rivals", "--verify-choice"]),
     ):
         code, said, complaint = gen_sweep(*arguments, "--store", path)
         assert code == 2 and said == ""
