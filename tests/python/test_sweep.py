@@ -36,6 +36,7 @@ from generator.variants.variant import Variant
 STRICT = {"flags": ("strict",)}
 SMALL = {"simd": ("scalar",), "store": ("named",), "fma": ("fma",), "loop": ("onestage",)}
 SMALLER = {**STRICT, **SMALL, "branch": ("chosen",), "state": ("reduced",)}
+SAMPLED = {**STRICT, "store": ("named",), "fma": ("fma",)}
 COLOUR = Axis("colour", "of the ink", (Choice("plain", "none"), Choice("bold", "thick")))
 
 
@@ -103,13 +104,13 @@ def test_a_sweep_of_batches_begins_with_the_widest_lanes(contest: Contest, tmp_p
 
 def test_part_of_an_exhaustive_sweep_is_a_fair_sample_that_the_seed_tells() -> None:
     def first(seed: int, count: int) -> list[Variant]:
-        return Search(space(STRICT), (), random.Random(seed), True).next_wave(count, [])
+        return Search(space(SAMPLED), (), random.Random(seed), True).next_wave(count, [])
 
-    everything = list(space(STRICT).everything())
+    everything = list(space(SAMPLED).everything())
     sample = first(1, 400)
     assert sample == first(1, 400) != first(2, 400)
     assert {name_of(v) for v in first(1, len(everything))} == {name_of(v) for v in everything}
-    for axis, codes in space(STRICT).axes(1):
+    for axis, codes in space(SAMPLED).axes(1):
         for code in codes:
             share, wanted = (
                 sum(v[axis.key] == code for v in some) / len(some) for some in (sample, everything)
