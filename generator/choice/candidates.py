@@ -90,6 +90,25 @@ def exact_candidates(
     return [v for v in found if broken_rule(v, target) is None]
 
 
+def _lane_roots(target: Target) -> tuple[str, ...]:
+    """Roots in lanes of fixed steps that are worth trying, the most accurate last."""
+    return ("est2",) if target.has("neon") else ("est1", "cubic")
+
+
+def default_lanes(single: Variant, target: Target) -> Variant:
+    """The same kernel in the widest lanes, with options that are safe before any timing.
+
+    Where its scene has none: `single` itself, whose batches go one by one.
+    """
+    fixed, known = single.stepper.family == "euler", find_scene(single.scene)
+    widest = max(widths_of(target))
+    if widest == 1 or (known.without_lanes if fixed else known.without_exact_lanes):
+        return single
+    finished, interleave = _LANES[0]
+    options = {"lane_root": _lane_roots(target)[-1], "finished": finished, "interleave": interleave}
+    return single.in_lanes(widest, **(options if fixed else {}))
+
+
 def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
     """Legal variants whose batches go in lanes and whose single calls are as chosen."""
     if single.stepper.family != "euler":
@@ -97,7 +116,7 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
     if find_scene(single.scene).without_lanes:
         return []
     widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
-    roots = ("est2",) if target.has("neon") else ("est1", "cubic")
+    roots = _lane_roots(target)
     ways = [(widest, root, *way) for root in roots for way in _LANES]
     ways += [(width, roots[-1], *_LANES[0]) for width in narrower[:1]]
     found = [

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from generator.choice.selection import read_selection
+from generator.choice.candidates import default_lanes
+from generator.choice.selection import Selection, read_selection
 from generator.errors import KernelError
 from generator.steppers.budgets import tableaus_for
 from generator.targets.host import Host
@@ -15,25 +17,53 @@ from generator.variants.presets import find_preset
 from generator.variants.variant import Stepper, Variant, make_variant
 
 
-def kernel_for(
-    generated: Path, target_name: str, target: Target, scene: str, model: str, goal: Goal
-) -> Variant:
-    """The chosen kernel for a model and goal, else the options that are safe before any timing."""
-    for name in (target_name, target.name):
-        selection = read_selection(generated / name / scene)
-        if selection is not None and selection.resolved == target.name:
-            entry = selection.find(model, steps=goal.steps, budget=goal.budget)
-            if entry is not None:
-                return variant_of(entry.kernel)
-    return default_kernel(target, scene, model, goal)
-
-
 @dataclass(frozen=True)
 class Goal:
     """Fixed steps or an error budget: one of them."""
 
     steps: int | None = None
     budget: float | None = None
+
+
+def kernel_for(
+    generated: Path, target_name: str, target: Target, scene: str, model: str, goal: Goal
+) -> Variant:
+    """The chosen kernel for a model and goal, else the options that are safe before any timing.
+
+    Its own number of steps may be another than the goal's.
+    """
+    for selection in _selections(generated, target_name, target, scene):
+        entry = selection.find(model, steps=goal.steps, budget=goal.budget)
+        if entry is not None:
+            return variant_of(entry.kernel)
+    return default_kernel(target, scene, model, goal)
+
+
+def batch_kernel_for(
+    generated: Path, target_name: str, target: Target, scene: str, model: str, goal: Goal
+) -> Variant:
+    """As kernel_for, with the chosen lanes for its batches, else the widest that the target has.
+
+    Its number of steps is the goal's: a batch function has no other.
+    """
+    for selection in _selections(generated, target_name, target, scene):
+        entry = selection.find_batch(model, steps=goal.steps, budget=goal.budget)
+        if entry is not None:
+            found = variant_of(entry.kernel)
+            break
+    else:
+        found = default_lanes(default_kernel(target, scene, model, goal), target)
+    return found if goal.steps is None else replace(found, stepper=Stepper("euler", goal.steps))
+
+
+def _selections(
+    generated: Path, target_name: str, target: Target, scene: str
+) -> Iterator[Selection]:
+    """The stored selections of a target, the one that counts first."""
+    for name in dict.fromkeys((target_name, target.name)):
+        selection = read_selection(generated / name / scene)
+        if selection is not None and selection.resolved == target.name:
+            yield selection
 
 
 def default_kernel(target: Target, scene: str, model: str, goal: Goal) -> Variant:

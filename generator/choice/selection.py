@@ -58,6 +58,14 @@ class Selection(BaseModel):
                 return entry
         return None
 
+    def find_batch(
+        self, model: str, steps: int | None = None, budget: float | None = None
+    ) -> Selected | None:
+        """As `find`, for lanes: the best of several widths."""
+        widths = sorted({entry.width for entry in self.kernels if entry.width > 1})
+        found = (self.find(model, steps, budget, width) for width in widths)
+        return min((entry for entry in found if entry), key=batch_rank, default=None)
+
     def with_entries(self, entries: list[Selected]) -> Selection:
         """Entries replaced or added; the rest as it was."""
         kept = {_key(entry): entry for entry in self.kernels}
@@ -67,6 +75,12 @@ class Selection(BaseModel):
 
     def text(self) -> str:
         return json.dumps(self.model_dump(mode="json"), indent=2) + "\n"
+
+
+def batch_rank(entry: Selected) -> tuple[float, int]:
+    """By which the least is best: the fastest; the widest where nothing was timed."""
+    ratio = float("inf") if entry.ratio_to_baseline is None else entry.ratio_to_baseline
+    return ratio, -entry.width
 
 
 def _key(entry: Selected) -> tuple[str, str, str, int]:

@@ -16,7 +16,7 @@ from generator.errors import InputError
 @click.option("--target", default="native", show_default=True, help="CPU whose kernel to run")
 @click.option("--steps", type=click.IntRange(1, 100_000_000), help="fixed steps, as pooltool")
 @click.option("--max-error", type=float, help="error budget instead of fixed steps")
-@click.option("--batch", is_flag=True, help="through the batch function")
+@click.option("--batch", is_flag=True, help="through the batch kernel, in lanes")
 def collide(
     cases: Path,
     out: Path,
@@ -27,7 +27,13 @@ def collide(
     batch: bool,
 ) -> None:
     """Collide the cases of a CSV file."""
-    from generator.choice.lookup import Goal, kernel_for, require_runs, with_compiler_found
+    from generator.choice.lookup import (
+        Goal,
+        batch_kernel_for,
+        kernel_for,
+        require_runs,
+        with_compiler_found,
+    )
     from generator.cli.case_table import outcome_text, read_case_table
     from generator.cli.session import ROOT, require_place, resolve_target, workbench
     from generator.emission.files import write_atomically
@@ -47,7 +53,8 @@ def collide(
     if budget is not None:
         plan_for(budget)
     goal = Goal(steps, budget)
-    variant = kernel_for(ROOT / "generated", target, resolved, "any", model_name, goal)
+    find = batch_kernel_for if batch else kernel_for
+    variant = find(ROOT / "generated", target, resolved, "any", model_name, goal)
     with workbench() as bench:
         variant = with_compiler_found(variant, bench.compilers)  # type: ignore[arg-type]
         candidate = bench.prepare([variant], resolved)[0]

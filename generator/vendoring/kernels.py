@@ -14,7 +14,7 @@ from generator.choice.choose import selected
 from generator.choice.folder import checked_selection, file_of
 from generator.choice.job import exact_job, fixed_step_job
 from generator.choice.lookup import Goal
-from generator.choice.selection import FILE, Selected, Selection
+from generator.choice.selection import FILE, Selected, Selection, batch_rank
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Workbench
 from generator.emission.files import write_atomically
 from generator.errors import KernelError
@@ -53,13 +53,7 @@ def stored_kernels(places: Places, request: VendorRequest, target: str) -> Targe
     if single is None:
         return None
     wide = [entry for entry in found if entry.width > 1]
-    return TargetKernels(single, min(wide, key=_batch_rank, default=None))
-
-
-def _batch_rank(entry: Selected) -> tuple[float, int]:
-    """The fastest of several widths; the widest where nothing was timed."""
-    ratio = float("inf") if entry.ratio_to_baseline is None else entry.ratio_to_baseline
-    return ratio, -entry.width
+    return TargetKernels(single, min(wide, key=batch_rank, default=None))
 
 
 def _find(places: Places, request: VendorRequest, target: str, goal: Goal) -> list[Selected]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -14,18 +15,25 @@ from kernels import ROOT, bench_tool, variant
 
 import generator.cli.session as session
 from generator.choice.candidates import baseline, fixed_step_candidates
+from generator.choice.folder import file_of, write_folder
+from generator.choice.selection import Selected, Selection
+from generator.cli.case_table import read_case_table
 from generator.cli.main import gen
 from generator.cli.main_table import preset_of
 from generator.errors import InputError
 from generator.scenes.scene import parse_scene
 from generator.targets.target import find_target, load_rows, targets
 from generator.toolchain.compilers import find_compilers
-from generator.variants.names import name_of
+from generator.variants.lanes import widths_of
+from generator.variants.names import name_of, variant_of
 from generator.variants.presets import find_preset
 from generator.variants.rules import broken_rule
+from generator.variants.variant import Variant
 from generator.verification.errors import OUTCOME_COLUMNS, STICKS
 from generator.verification.euler import euler_verdict
+from generator.verification.exact import exact_verdict
 from generator.verification.reference import FOLDER, OUTCOME_NAMES, load_reference
+from generator.verification.verdict import Verdict
 
 INPUTS = FOLDER / "inputs.csv"
 
@@ -98,23 +106,105 @@ def test_collide_reproduces_pooltool(target, code, tmp_path, monkeypatch) -> Non
     assert verdict.passed, verdict.reason
 
 
-def test_collide_batch_steps_and_extra_columns(lines, tmp_path) -> None:
+def test_collide_takes_steps_and_ignores_extra_columns(lines, tmp_path) -> None:
     cases = written(tmp_path, [f"{line},{n}" for n, line in enumerate(lines)])
     results = {}
-    for name, options in {
-        "plain": (),
-        "batch": ("--batch",),
-        "coarse": ("--steps", 1000),
-        "coarse batch": ("--steps", 1000, "--batch"),
-        "fine": ("--steps", 5000),
-    }.items():
+    for name, options in {"coarse": ("--steps", 1000), "fine": ("--steps", 5000)}.items():
         out = tmp_path / f"{name}.csv"
         result = call("collide", "--cases", cases, "--out", out, *options)
         assert result.exit_code == 0, result.stderr
         results[name] = outcomes(out)[1]
-    assert np.array_equal(results["plain"], results["batch"])
-    assert np.array_equal(results["coarse"], results["coarse batch"])
     assert 0 < np.abs(results["coarse"] - results["fine"]).max() < 0.5
+
+
+GOALS = {
+    "steps": ("--steps", 1000),
+    "other steps": ("--steps", 500),
+    "budget": ("--max-error", 1e-6),
+    "scene's own budget": (),
+}
+
+
+@pytest.mark.parametrize(
+    ("goal", "target"),
+    [
+        ("steps", "native"),
+        ("budget", "native"),
+        ("other steps", "x86-64-v2"),
+        ("scene's own budget", "x86-64-v2"),
+    ],
+)
+def test_collide_batch_goes_in_lanes_and_gives_what_single_calls_give(
+    goal, target, tmp_path
+) -> None:
+    rows = INPUTS.read_text("utf-8").splitlines()[:401]
+    cases = written(tmp_path, changed(rows, 3, "v1x", "nan"))
+    resolved, _ = session.resolve_target(target)
+    options = (*GOALS[goal], "--target", target, "--cases", cases)
+    told, got = {}, {}
+    for name, batch in (("single", ()), ("batch", ("--batch",))):
+        out = tmp_path / f"{name}.csv"
+        result = call("collide", *options, *batch, "--out", out)
+        assert result.exit_code == 0, result.stderr
+        kernel = re.search(r" by (\S+); written", result.stdout)
+        told[name], got[name] = variant_of(kernel[1]), outcomes(out)[1]
+    assert told["single"].width == 1 and told["batch"].width > 1
+    if target == "native":
+        assert told["batch"].width == max(widths_of(resolved))
+    if "--steps" in GOALS[goal]:
+        assert told["batch"].stepper.steps == GOALS[goal][1]
+    assert np.array_equal(got["single"][:, 12], got["batch"][:, 12])
+    assert got["batch"][2, 12] == 2 and np.isnan(got["batch"][2]).any()
+    verdict = verdict_of_batch(goal, read_case_table(cases).rows, got["batch"])
+    print(f"{target}, {goal}, x{told['batch'].width}: {verdict.reason}")
+    assert verdict.passed, verdict.reason
+
+
+def verdict_of_batch(goal: str, rows: np.ndarray, got: np.ndarray) -> Verdict:
+    """Against the oracles, by the rules that the main job has."""
+    exact = bench_tool().expect(rows, "exact", "mathavan2014")
+    if "--steps" not in GOALS[goal]:
+        return exact_verdict(rows, got, exact, 1e-6)
+    steps = GOALS[goal][1]
+    euler = bench_tool().expect(rows, "euler", "mathavan2014", steps)
+    return euler_verdict(rows, got, euler, exact, steps, 0.02)
+
+
+def test_collide_batch_takes_the_stored_choice(tmp_path, monkeypatch, lines) -> None:
+    """And the fastest, where several widths were chosen."""
+    single = find_preset("reduced-ahead").options
+    x2 = variant("x86-64-v3", **single).in_lanes(2, lane_root="inv", interleave="i2")
+    x4 = variant("x86-64-v3", **single).in_lanes(4, lane_root="cubic", interleave="i4")
+    entries = [stored(v, ratio) for v, ratio in ((x2, 0.2), (x4, 0.1))]
+    folder = tmp_path / "generated" / "x86-64-v3" / "any"
+    selection = Selection(target="x86-64-v3", resolved="x86-64-v3", scene="any", kernels=entries)
+    write_folder(folder, selection)
+    monkeypatch.setattr(session, "ROOT", tmp_path)
+    options = ("--model", "pooltool", "--steps", 1000, "--target", "x86-64-v3", "--batch")
+    result = call(
+        "collide", "--cases", written(tmp_path, lines), "--out", tmp_path / "out.csv", *options
+    )
+    assert result.exit_code == 0, result.stderr
+    assert f"by {name_of(x4)}; written" in result.stdout
+
+
+def stored(kernel: Variant, ratio: float) -> Selected:
+    return Selected(
+        kernel=name_of(kernel),
+        file=file_of(name_of(kernel)),
+        model=kernel.model,
+        stepper="euler",
+        steps=kernel.stepper.steps,
+        budget=None,
+        width=kernel.width,
+        chosen_by="timing",
+        measured_on="x86-64-v3",
+        ratio_to_baseline=ratio,
+        ratio_ci=None,
+        max_rel_error=None,
+        error_against="euler",
+        ties=[],
+    )
 
 
 def test_collide_says_what_a_row_with_nan_is(lines, tmp_path) -> None:
