@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from generator.choice.candidates import batch_candidates
 from generator.choice.choose import Choice, choose_by_model, choose_by_time, choose_first
-from generator.choice.job import STEPS, thinned
+from generator.choice.job import STEPS, verify
 from generator.choice.modelling import model_all, model_loop
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
 from generator.targets.host import Host
@@ -32,26 +32,25 @@ def batch_job(
     wide = candidates[2:]
     model = single.variant.model
     runs_here = host.runs(target)
-    if bench.emulated is not None:
+    if runs_here or bench.emulated is not None:
         expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
-        bench.verify(candidates, thinned(expected))
-        for candidate in candidates:
-            if not candidate.rejected:
-                model_loop(bench, candidate, target)
-        return candidates, candidates[0], choose_by_model(wide, target.row.mca_cpu)
-    if runs_here:
-        bench.verify(candidates, bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM))
-        run = bench.time(candidates, candidates[0], scene, seconds, batches=True)
+        verify(bench, candidates, expected)
         if all(c.rejected for c in wide):
             return None
+    if runs_here:
+        run = bench.time(candidates, candidates[0], scene, seconds, batches=True)
     if runs_here and host.target.name == target.name and host.exact:
         return candidates, candidates[0], choose_by_time(wide, run, host.target.name)
-    if single.variant.stepper.family == "exact":
+    exact = single.variant.stepper.family == "exact"
+    if exact and bench.emulated is None:
         # How many passes their lanes take is known where they run alone: here, if anywhere.
         chosen = choose_by_time(wide, run, host.target.name) if runs_here else None
         return candidates, candidates[0], chosen or choose_first(wide, target.name)
     model_all(bench, candidates[:2], target, bench.timing_cases(scene, model))
-    for candidate in wide:
-        if not candidate.rejected:
-            model_loop(bench, candidate, target)
+    if exact:
+        model_all(bench, wide, target, bench.batch_cases(scene, model))
+    else:
+        for candidate in wide:
+            if not candidate.rejected:
+                model_loop(bench, candidate, target)
     return candidates, candidates[0], choose_by_model(wide, target.row.mca_cpu)

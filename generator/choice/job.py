@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
 from generator.choice.choose import Choice, choose_by_model, choose_by_time
-from generator.choice.modelling import model_all, model_loop
+from generator.choice.modelling import model_all
 from generator.choice.workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
@@ -18,9 +18,10 @@ from generator.choice.workbench import (
 from generator.targets.host import Host
 from generator.targets.target import Target
 from generator.variants.names import name_of
+from generator.verification.reference import load_reference
 
 STEPS = 1000
-EMULATED = 5  # of the reference cases one in so many runs under an emulator
+EMULATED = 5  # of the cases one in so many runs under an emulator
 
 Job = Callable[
     [Workbench, Target, Host, str, str, float], tuple[list[Candidate], Candidate, Choice]
@@ -59,9 +60,25 @@ def fixed_step_job(
     return _judged(bench, candidates, expected, target, host, scene, seconds)
 
 
-def thinned(expected: Expected) -> Expected:
-    """Every fifth of the reference cases: an emulator is slow."""
-    rows = slice(0, expected.reference_rows, EMULATED)
+def verify(bench: Workbench, candidates: Sequence[Candidate], expected: Expected) -> None:
+    """On all cases. An emulator takes ms for each: there, on every fifth of them.
+
+    Of fixed steps, which take longer still, on every fifth of the reference alone.
+    """
+    if bench.emulated is None:
+        bench.verify(candidates, expected)
+        return
+    fixed = [c for c in candidates if c.variant.stepper.family == "euler"]
+    exact = [c for c in candidates if c.variant.stepper.family == "exact"]
+    few = _thinned(expected, len(load_reference().cases))
+    bench.verify(fixed, few)
+    bench.verify(exact, _thinned(expected, len(expected.cases)))
+    bench.labels = few.labels
+
+
+def _thinned(expected: Expected, end: int) -> Expected:
+    """Every fifth of the first cases."""
+    rows = slice(0, end, EMULATED)
     euler, pooltool = expected.euler, expected.pooltool
     cases = expected.cases[rows]
     return replace(
@@ -70,9 +87,9 @@ def thinned(expected: Expected) -> Expected:
         exact=expected.exact[rows],
         euler=None if euler is None else euler[rows],
         pooltool=None if pooltool is None else pooltool[rows],
-        reference_rows=len(cases),
+        reference_rows=len(range(0, expected.reference_rows, EMULATED)),
         labels=expected.labels[rows],
-        key=f"{expected.key}, every {EMULATED}th",
+        key=f"{expected.key}, every {EMULATED}th of {end}",
     )
 
 
@@ -86,16 +103,11 @@ def _judged(
     seconds: float,
 ) -> tuple[list[Candidate], Candidate, Choice]:
     """Verified and timed where the target's code runs here; chosen by time on the target alone."""
-    if bench.emulated is not None:
-        bench.verify(candidates, thinned(expected))
-        for candidate in candidates:
-            if not candidate.rejected:
-                model_loop(bench, candidate, target)
-        return candidates, candidates[0], choose_by_model(candidates, target.row.mca_cpu)
     runs_here = host.runs(target)
     is_host = runs_here and host.target.name == target.name and host.exact
+    if runs_here or bench.emulated is not None:
+        verify(bench, candidates, expected)
     if runs_here:
-        bench.verify(candidates, expected)
         run = bench.time(candidates, candidates[0], scene, seconds)
     if is_host:
         return candidates, candidates[0], choose_by_time(candidates, run, host.target.name)

@@ -1,8 +1,9 @@
 """Cycles a collision takes on a CPU that is not here: what ran here, replayed by llvm-mca.
 
-Instructions that real collisions execute are recorded on this machine, whatever their loops and
-branches do, and simulated on the target. So kernels with few long steps and kernels with many short
-ones compare, and what stands around the loop counts.
+Instructions that real collisions execute are recorded on this machine, or under an emulator where
+the target is of another architecture, whatever their loops and branches do, and simulated on the
+target. So kernels with few long steps and kernels with many short ones compare, and what stands
+around the loop counts.
 """
 
 from __future__ import annotations
@@ -57,14 +58,12 @@ def modelled(bench: Workbench, candidate: Candidate, target: Target, cases: Arra
     kernel = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
     probe = {"probe.cpp": candidate.sources["probe.cpp"]}
     compiler, flags = candidate.compiler, candidate.flags
-    if target.row.arch != "x86_64":
-        raise KernelError(f"{target.name}: what runs is recorded in x86-64 code alone")
     steps, wide = candidate.variant.stepper.steps, candidate.variant.width > 1
     chosen = _batch_of(cases) if wide else cases
     chosen = chosen[: FIXED_CASES if steps and not wide else EXACT_CASES]
 
     def make() -> dict[str, Any]:
-        library = traced(kernel, probe, compiler, flags, candidate.name)
+        library = traced(kernel, probe, compiler, flags, candidate.name, target.row.arch)
         return asdict(replayed(bench, library, target, chosen, steps, wide))
 
     texts = sorted(candidate.sources.items())
@@ -97,7 +96,8 @@ def replayed(
     with tempfile.TemporaryDirectory() as folder:
         trace = Path(folder, "trace")
         fewer = None if steps is None or batch else min(steps, FIXED_STEPS)
-        bench.tool.run_kernel(library.path, cases, steps=fewer, batch=batch, trace=trace)
+        runner = bench.emulated or bench.tool
+        runner.run_kernel(library.path, cases, steps=fewer, batch=batch, trace=trace)
         ran = kernel.instructions(trace)
     times = 1.0 if steps is None or fewer is None else steps / fewer
     return Modelled(

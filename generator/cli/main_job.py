@@ -9,7 +9,7 @@ from rich.console import Console
 from generator.choice.batches import batch_job
 from generator.choice.choose import Choice, selected
 from generator.choice.folder import checked_selection, require_writable, write_folder
-from generator.choice.job import exact_job, fixed_step_job
+from generator.choice.job import EMULATED, exact_job, fixed_step_job
 from generator.choice.selection import Selection
 from generator.choice.workbench import (
     VERIFY_RANDOM,
@@ -19,7 +19,6 @@ from generator.choice.workbench import (
 )
 from generator.cli.main_table import LEAST_WIDTH, show_table
 from generator.cli.session import ROOT, resolve_target, workbench
-from generator.errors import InputError
 from generator.scenes.models import MODELS, find_model
 from generator.scenes.scene import find_scene
 from generator.steppers.budgets import plan_for
@@ -50,14 +49,7 @@ def run_main_job(
     with workbench(fresh=fresh, target=target) as bench:
         for name in names:
             jobs = [fixed_step_job] if max_error is None and known.fixed_steps else []
-            if bench.emulated is None:
-                jobs = [*jobs, exact_job(max_error or known.max_error)]
-            elif not jobs:
-                raise InputError(
-                    f"--target {target_name}: for {target.row.arch} only fixed-step kernels are "
-                    "chosen here (one step of an exact one says little); leave --max-error out"
-                )
-            for job in jobs:
+            for job in [*jobs, exact_job(max_error or known.max_error)]:
                 candidates, first, choice = job(bench, target, host, scene, name, seconds)
                 batches = batch_job(bench, target, host, scene, first, choice.chosen, seconds)
                 selection = checked_selection(folder) or Selection(
@@ -76,12 +68,10 @@ def run_main_job(
 
 
 def _goal(choice: Choice) -> str:
-    stepper, width = choice.chosen.variant.stepper, choice.chosen.variant.width
-    if width > 1:
-        return f"batches, N = {stepper.steps}"
+    stepper, batches = choice.chosen.variant.stepper, choice.chosen.is_batch
     if stepper.steps is not None:
-        return f"fixed steps, N = {stepper.steps}"
-    return f"exact to {stepper.budget:g} of the relative speed"
+        return f"{'batches' if batches else 'fixed steps'}, N = {stepper.steps}"
+    return f"{'batches, ' * batches}exact to {stepper.budget:g} of the relative speed"
 
 
 def _footnotes(
@@ -97,10 +87,11 @@ def _footnotes(
 
     verdict, pooltool = choice.chosen.verdict, choice.chosen.pooltool
     assert verdict is not None
-    say(
-        f"verified on {verdict.cases} cases (reference, and {VERIFY_RANDOM} random ones with seed "
-        f"{VERIFY_SEED}); the chosen kernel: {verdict.reason}"
-    )
+    which = f"reference, and {VERIFY_RANDOM} random ones with seed {VERIFY_SEED}"
+    if bench.emulated is not None:
+        fixed = choice.chosen.variant.stepper.family == "euler"
+        which = f"every {EMULATED}th of: {'reference' if fixed else which}"
+    say(f"verified on {verdict.cases} cases ({which}); the chosen kernel: {verdict.reason}")
     labels = bench.labels
     for flip in verdict.flips:
         say(f"  flip by a step: {labels[flip]}")
@@ -119,29 +110,35 @@ def _footnotes(
         )
     if bench.emulated is not None:
         say(
-            f"{target.name} is of another architecture: verified under "
-            f"{Path(bench.emulated.emulator[0]).name}, chosen by llvm-mca's cycles for "
-            f"{target.row.mca_cpu} of N steps of the loop: a model's figure, not a time"
+            f"{target.name} is of another architecture: run under "
+            f"{Path(bench.emulated.emulator[0]).name}, and no time is known of it"
         )
-    elif choice.by == "llvm-mca" and choice.chosen.variant.width > 1:
-        say(
-            f"{target.name} is not this host's CPU ({host.target.name}): lanes are chosen by "
-            f"llvm-mca's cycles for {target.row.mca_cpu} of N steps of the loop, over its lanes"
-        )
-    elif choice.by == "llvm-mca":
-        times = "the times are this host's, not the target's" if host.runs(target) else "not run"
-        say(
-            f"{target.name} is not this host's CPU ({host.target.name}): chosen by cycles a "
-            f"collision, the instructions that {_replayed(choice)} executed here replayed by "
-            f"llvm-mca for {target.row.mca_cpu} (branches guessed rightly, memory in the nearest "
-            f"cache); {times}"
-        )
+    if choice.by == "llvm-mca":
+        say(_grounds(choice, target, host))
     for note in sorted({f"{c.compiler.code}: {c.march_note}" for c in candidates if c.march_note}):
         say(note)
     if counts := bench.reused():
         say(f"reused from earlier runs: {counts} (--fresh verifies and times anew)")
     say(f"chosen: {choice.chosen.name}")
     say(f"ties with it: {len(choice.ties) - 1}")
+
+
+def _grounds(choice: Choice, target: Target, host: Host) -> str:
+    """What a choice without the target's CPU rests on."""
+    head = f"{target.name} is not this host's CPU ({host.target.name}): chosen by"
+    figures = choice.chosen.modelled
+    assert figures is not None
+    if not figures.cases:
+        return (
+            f"{head} llvm-mca's cycles for {target.row.mca_cpu} of N steps of the loop, over its "
+            "lanes: a model's figure, not a time"
+        )
+    times = "the times are this host's, not the target's" if host.runs(target) else "none was timed"
+    return (
+        f"{head} cycles a collision, the instructions that {_replayed(choice)} executed here "
+        f"replayed by llvm-mca for {target.row.mca_cpu} (branches guessed rightly, memory in the "
+        f"nearest cache): a model's figure; {times}"
+    )
 
 
 def _replayed(choice: Choice) -> str:

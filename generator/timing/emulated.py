@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,14 +30,23 @@ class EmulatedRunner:
     emulator: tuple[str, ...]
 
     def run_kernel(
-        self, library: Path, cases: Array, batch: bool = False, timeout: float = 300.0
+        self,
+        library: Path,
+        cases: Array,
+        steps: int | None = None,
+        batch: bool = False,
+        timeout: float = 300.0,
+        trace: Path | None = None,
     ) -> Array:
         """As BenchTool.run_kernel: rows of 13. Raises KernelError with the reason."""
         with tempfile.TemporaryDirectory() as name:
             given, out = Path(name, "cases"), Path(name, "out")
             np.ascontiguousarray(cases, dtype=np.float64).tofile(given)
             words = [*self.emulator, str(self.program), str(library), str(given), str(out)]
-            done = run([*words, *["--batch"] * batch], timeout)
+            words += ["--batch"] * batch
+            words += [] if steps is None else ["--steps", str(steps)]
+            words += [] if trace is None else ["--trace", str(trace)]
+            done = run(words, timeout)
             if done.code != 0:
                 kind = KernelCrash if done.code < 0 else KernelError
                 raise kind(f"under {self.emulator[0]}: {done.first_error or done.code}")
@@ -51,7 +61,8 @@ def emulated_runner(target: Target, cache: Path) -> EmulatedRunner:
         packages = "g++-aarch64-linux-gnu qemu-user"
         raise KernelError(f"{target.name}: nothing here builds and runs {arch}: install {packages}")
     root = sources()
-    program = cache / f"run_rows-{arch}-{source_hash()}"
+    own = hashlib.sha256((root / PROGRAM).read_bytes()).hexdigest()[:8]
+    program = cache / f"run_rows-{arch}-{source_hash()}-{own}"
     if not program.exists():
         cache.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=cache) as folder:

@@ -14,7 +14,9 @@ RARE = "CAROM-RARE"  # a comment in a block that hardly ever runs: no path goes 
 
 _LABEL = re.compile(r"^([.\w$@]+):")
 _MARK = re.compile(r"LLVM-MCA-(BEGIN|END)[ \t]+(\S+)")
-_JUMP = re.compile(r"^(j[a-z]+|b(?:\.[a-z]+)?|cbn?z|tbn?z)\s+(.*)$")
+# GCC writes `bne`, Clang `b.ne`.
+ARM_CONDITIONS = "eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le"
+_JUMP = re.compile(rf"^(j[a-z]+|b(?:\.?(?:{ARM_CONDITIONS}))?|cbn?z|tbn?z)\s+(.*)$")
 _END = re.compile(r"^(ret[a-z]*|ud2|br)\b")
 _ALWAYS = ("jmp", "b")
 _MAX_PATHS = 4096

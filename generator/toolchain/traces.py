@@ -1,7 +1,8 @@
 """Which instructions a kernel executes on real cases: its assembly with a recorder in each block.
 
 A recorder stores the block's number and leaves every register, flag and byte of the stack as it
-was, so that the kernel computes what it computes without. It is x86-64 code.
+was, so that the kernel computes what it computes without. There is one for x86-64 and one for
+AArch64.
 """
 
 from __future__ import annotations
@@ -16,15 +17,26 @@ import numpy as np
 from generator.errors import KernelError
 from generator.toolchain.build import BuildJob
 from generator.toolchain.compilers import Compiler
+from generator.toolchain.loops import ARM_CONDITIONS
 from generator.toolchain.mca import assembly_of
 
 MOST_BLOCKS = 1 << 20  # that one trace holds; 64 collisions of an exact kernel run some 15,000
 _LABEL = re.compile(r"^[.\w$@]+:")
-_LEAVES = re.compile(r"^(?:notrack\s+|bnd\s+)?(?:j[a-z]+|loopn?[ez]*|callq?|retq?|ud2)\b")
-_NO_WORK = re.compile(r"^(?:callq?|retq?)\b")  # of which llvm-mca knows nothing
+
+
+@dataclass(frozen=True)
+class Recorder:
+    """How blocks of an architecture's assembly are told apart, and what is put before each."""
+
+    text: str  # `{number}` is the block's
+    asm: str  # what it calls; empty where nothing
+    comment: str
+    leaves: re.Pattern[str]  # instructions after which control may be elsewhere
+    no_work: re.Pattern[str]  # of which llvm-mca knows nothing
+
 
 # 128 bytes below the stack pointer may hold the kernel's own values (the red zone).
-_RECORDER = """\
+_X86 = """\
  lea -128(%rsp), %rsp
  pushfq
  pushq %rax
@@ -38,6 +50,58 @@ _RECORDER = """\
  popq %rax
  popfq
  lea 128(%rsp), %rsp"""
+
+# Short, since TBZ reaches no further than 32 KiB. The number is not executed: the call skips it.
+_ARM = """\
+ str x30, [sp, #-16]!
+ bl carom_record
+ .word {number}
+ ldr x30, [sp], #16"""
+
+_ARM_CALLED = """\
+ .text
+ .p2align 2
+ .hidden carom_record
+ .globl carom_record
+ .type carom_record, %function
+carom_record:
+ stp x14, x15, [sp, #-48]!
+ stp x16, x17, [sp, #16]
+ mrs x14, nzcv
+ str x14, [sp, #32]
+ ldr w17, [x30], #4
+ adrp x14, carom_trace_at
+ ldr x15, [x14, :lo12:carom_trace_at]
+ adrp x16, carom_trace_end
+ ldr x16, [x16, :lo12:carom_trace_end]
+ cmp x15, x16
+ b.hs 77f
+ str w17, [x15], #4
+ str x15, [x14, :lo12:carom_trace_at]
+77:
+ ldr x14, [sp, #32]
+ msr nzcv, x14
+ ldp x16, x17, [sp, #16]
+ ldp x14, x15, [sp], #48
+ ret
+"""
+
+RECORDERS = {
+    "x86_64": Recorder(
+        _X86,
+        "",
+        "#",
+        re.compile(r"^(?:notrack\s+|bnd\s+)?(?:j[a-z]+|loopn?[ez]*|callq?|retq?|ud2)\b"),
+        re.compile(r"^(?:callq?|retq?)\b"),
+    ),
+    "aarch64": Recorder(
+        _ARM,
+        _ARM_CALLED,
+        "//",
+        re.compile(rf"^(?:b\.?(?:{ARM_CONDITIONS})?|cbn?z|tbn?z|blr?|br|ret|brk|udf)\b"),
+        re.compile(r"^(?:blr?|ret)\b"),
+    ),
+}
 
 _STORE = f"""\
 #include <cstddef>
@@ -71,25 +135,26 @@ class TracedKernel:
         return [line for n in numbers for line in self.blocks[n]]
 
 
-def instrumented(assembly: str) -> tuple[str, tuple[tuple[str, ...], ...]]:
-    """AT&T assembly with a recorder before each block, and what stands in the blocks.
+def instrumented(assembly: str, arch: str) -> tuple[str, tuple[tuple[str, ...], ...]]:
+    """Assembly (x86: AT&T's) with a recorder before each block, and what stands in the blocks.
 
     A block ends at a label, a jump, a call or a return. Calls and returns are left out of the
     blocks, and what is called beyond this text is not seen.
     """
+    recorder = RECORDERS[arch]
     out: list[str] = []
     blocks: list[list[str]] = []
     begins = True
     for raw in assembly.splitlines():
-        code = raw.split("#", maxsplit=1)[0].strip()
+        code = raw.split(recorder.comment, maxsplit=1)[0].strip()
         if _LABEL.match(code):
             begins = True
-        elif code and not code.startswith("."):
+        elif code and not code.startswith((".", "#")):
             if begins:
-                out.append(_RECORDER.format(number=len(blocks)))
+                out.append(recorder.text.format(number=len(blocks)))
                 blocks.append([])
-            begins = _LEAVES.match(code) is not None
-            if not _NO_WORK.match(code):
+            begins = recorder.leaves.match(code) is not None
+            if not recorder.no_work.match(code):
                 blocks[-1].append(code)
         out.append(raw)
     return "\n".join(out) + "\n", tuple(tuple(block) for block in blocks)
@@ -101,6 +166,7 @@ def traced(
     compiler: Compiler,
     flags: Iterable[str],
     label: str,
+    arch: str = "x86_64",
 ) -> TracedKernel:
     """The kernel `sources` with recorders; `adapter`: what else its library needs, without them.
 
@@ -108,7 +174,9 @@ def traced(
     """
     own: Sequence[str] = tuple(flags)
     text = assembly_of(sources, (), compiler, (*own, "-fPIC"), label, markers=False)
-    marked, blocks = instrumented(text)
+    marked, blocks = instrumented(text, arch)
     headers = {name: text for name, text in sources.items() if name.endswith(".h")}
     files = {**headers, **adapter, "kernel.s": marked, "trace.cpp": _STORE}
+    if called := RECORDERS[arch].asm:
+        files["record.s"] = called
     return TracedKernel(BuildJob(f"{label} (traced)", files, compiler, tuple(own)), blocks)

@@ -1,22 +1,44 @@
 // carom_bench's `run` alone, for machines on which its libraries are not at hand: an emulated one.
-#include <cstring>
+#include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <stdexcept>
+#include <string>
 
 #include "commands.h"
 
-int main(int argc, char** argv) {
-  if (argc < 4) {
-    std::cerr << "usage: run_rows KERNEL CASES OUT [--batch]\n";
-    return 2;
-  }
+namespace {
+
+carom_bench::Run options_of(int argc, char** argv) {
   carom_bench::Run options;
   options.kernel = argv[1];
   options.cases = argv[2];
   options.out = argv[3];
-  options.batch = argc > 4 && std::strcmp(argv[4], "--batch") == 0;
+  for (int i = 4; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool more = i + 1 < argc;
+    if (word == "--batch") {
+      options.batch = true;
+    } else if (word == "--steps" && more) {
+      options.steps = std::atoi(argv[++i]);
+    } else if (word == "--trace" && more) {
+      options.trace = argv[++i];
+    } else {
+      throw std::runtime_error("no option " + word);
+    }
+  }
+  return options;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 4) {
+    std::cerr << "usage: run_rows KERNEL CASES OUT [--batch] [--steps N] [--trace FILE]\n";
+    return 2;
+  }
   try {
-    carom_bench::run(options);
+    carom_bench::run(options_of(argc, argv));
   } catch (const std::exception& error) {
     std::cerr << "run_rows: " << error.what() << '\n';
     return 1;

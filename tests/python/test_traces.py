@@ -56,7 +56,8 @@ def some_cases(count: int) -> Array:
 def test_blocks_end_where_control_may_leave() -> None:
     text, blocks = instrumented(
         "f:\n\t.cfi_startproc\n\tmov %rax, %rbx # why\n\tje .L2\n\tadd $1, %rbx\n"
-        "\tcall hypot@PLT\n\tnop\n.L2:\n\tret\n\t.section .rodata\n.LC0:\n\t.long 1\n"
+        "\tcall hypot@PLT\n\tnop\n.L2:\n\tret\n\t.section .rodata\n.LC0:\n\t.long 1\n",
+        "x86_64",
     )
     assert blocks == (("mov %rax, %rbx", "je .L2"), ("add $1, %rbx",), ("nop",), ())
     assert text.count("pushfq") == 4
