@@ -18,7 +18,6 @@ from generator.choice.workbench import (
 from generator.targets.host import Host
 from generator.targets.target import Target
 from generator.variants.names import name_of
-from generator.verification.reference import load_reference
 
 STEPS = 1000
 EMULATED = 5  # of the cases one in so many runs under an emulator
@@ -61,35 +60,25 @@ def fixed_step_job(
 
 
 def verify(bench: Workbench, candidates: Sequence[Candidate], expected: Expected) -> None:
-    """On all cases. An emulator takes ms for each: there, on every fifth of them.
-
-    Of fixed steps, which take longer still, on every fifth of the reference alone.
-    """
-    if bench.emulated is None:
-        bench.verify(candidates, expected)
-        return
-    fixed = [c for c in candidates if c.variant.stepper.family == "euler"]
-    exact = [c for c in candidates if c.variant.stepper.family == "exact"]
-    few = _thinned(expected, len(load_reference().cases))
-    bench.verify(fixed, few)
-    bench.verify(exact, _thinned(expected, len(expected.cases)))
-    bench.labels = few.labels
+    """On all cases; under an emulator, which takes ms for each, on every fifth of them."""
+    if bench.emulated is not None:
+        expected = _thinned(expected)
+    bench.verify(candidates, expected)
+    bench.labels = expected.labels
 
 
-def _thinned(expected: Expected, end: int) -> Expected:
-    """Every fifth of the first cases."""
-    rows = slice(0, end, EMULATED)
+def _thinned(expected: Expected) -> Expected:
+    rows = slice(None, None, EMULATED)
     euler, pooltool = expected.euler, expected.pooltool
-    cases = expected.cases[rows]
     return replace(
         expected,
-        cases=cases,
+        cases=expected.cases[rows],
         exact=expected.exact[rows],
         euler=None if euler is None else euler[rows],
         pooltool=None if pooltool is None else pooltool[rows],
         reference_rows=len(range(0, expected.reference_rows, EMULATED)),
         labels=expected.labels[rows],
-        key=f"{expected.key}, every {EMULATED}th of {end}",
+        key=f"{expected.key}, every {EMULATED}th",
     )
 
 

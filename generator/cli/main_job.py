@@ -89,8 +89,7 @@ def _footnotes(
     assert verdict is not None
     which = f"reference, and {VERIFY_RANDOM} random ones with seed {VERIFY_SEED}"
     if bench.emulated is not None:
-        fixed = choice.chosen.variant.stepper.family == "euler"
-        which = f"every {EMULATED}th of: {'reference' if fixed else which}"
+        which = f"every {EMULATED}th of: {which}"
     say(f"verified on {verdict.cases} cases ({which}); the chosen kernel: {verdict.reason}")
     labels = bench.labels
     for flip in verdict.flips:
