@@ -56,7 +56,7 @@ class EffectModel:
 class Search:
     """Proposals for one contest, in waves. Each variant is proposed once.
 
-    First the seeds, and random variants until every option has been tried; then waves out of what
+    First the seeds, and the best of them with each option that none had; then waves out of what
     lies one option from the leaders and two from the best, in the order that the model of times
     gives, with some random ones among them. It ends where that neighbourhood has been tried.
     An exhaustive one takes all, in a random order: as much of it as was done is a fair sample.
@@ -70,7 +70,8 @@ class Search:
     _tried: set[tuple[str, str]] = field(default_factory=set)  # options
 
     def __post_init__(self) -> None:
-        self._first_ones = self._everything() if self.exhaustive else self._first()
+        seeds = (variant for variant in self.seeds if self.space.has(variant))
+        self._first_ones = self._everything() if self.exhaustive else seeds
 
     def next_wave(
         self,
@@ -79,13 +80,11 @@ class Search:
         rejected: Sequence[Variant] = (),
     ) -> list[Variant]:
         """Up to `size` variants; none where all is done. `ratios`: what was timed, best first."""
-        wave: list[Variant] = []
-        for variant in self._first_ones:
-            if self._is_new(variant):
-                wave.append(variant)
-            if len(wave) == size:
-                return wave
-        if self.exhaustive or not ratios:
+        wave = self._new(self._first_ones, size)
+        if not self.exhaustive:
+            best = ratios[0][0] if ratios else None
+            wave += self._new(self._untried(best), size - len(wave))
+        if self.exhaustive or not ratios or len(wave) == size:
             return wave
         return wave + self._promising(size - len(wave), ratios, rejected)
 
@@ -94,8 +93,8 @@ class Search:
         self.random.shuffle(found)
         yield from found
 
-    def _first(self) -> Iterator[Variant]:
-        yield from (variant for variant in self.seeds if self.space.has(variant))
+    def _untried(self, best: Variant | None) -> Iterator[Variant]:
+        """Each option that no variant had yet: in the best where that is legal, else at random."""
         options = {
             (axis.key, code): None
             for width in self.space.widths
@@ -105,16 +104,22 @@ class Search:
         for key, code in options:
             if (key, code) in self._tried:
                 continue
-            drawn = self.space.drawn(self.random, **{key: code})
-            if drawn is not None:
-                yield drawn
+            near = best.with_options(**{key: code}) if best else None
+            if near is None or not self.space.has(near):
+                near = self.space.drawn(self.random, **{key: code})
+            if near is not None:
+                yield near
 
-    def _is_new(self, variant: Variant) -> bool:
-        name = name_of(variant)
-        new = name not in self.proposed
-        self.proposed.add(name)
-        self._tried.update(variant.options)
-        return new
+    def _new(self, variants: Iterator[Variant], count: int) -> list[Variant]:
+        """Up to so many that were not proposed before; no more are taken than that needs."""
+        found: list[Variant] = []
+        while len(found) < count and (variant := next(variants, None)) is not None:
+            name = name_of(variant)
+            if name not in self.proposed:
+                found.append(variant)
+                self.proposed.add(name)
+                self._tried.update(variant.options)
+        return found
 
     def _promising(
         self, size: int, ratios: Sequence[tuple[Variant, float]], rejected: Sequence[Variant]

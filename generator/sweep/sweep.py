@@ -26,6 +26,7 @@ from generator.sweep.space import Contest, Space, variant_of_subject
 from generator.sweep.station import BASELINE_STEPS
 from generator.targets.target import Target
 from generator.variants.axes import axes_of
+from generator.variants.rules import broken_rule
 from generator.variants.variant import Variant
 
 FINAL_RESERVE = 60.0  # seconds of the budget kept for a contest's last wave and its final
@@ -118,9 +119,15 @@ def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
 
 
 def _seeds_in_lanes(plan: Plan, contest: Contest) -> list[Variant]:
-    """The kernels used before anything was timed, as the main job puts them in lanes."""
+    """The kernels used before anything was timed, as the main job puts them in lanes.
+
+    Exact ones with the root that has won in all lanes so far, where the target has it.
+    """
     goal = Goal(steps=contest.steps, budget=contest.budget)
     first = default_kernel(plan.target, contest.scene, contest.model, goal)
+    if contest.steps is None:
+        faster = first.with_options(root="est1")
+        first = first if broken_rule(faster, plan.target) else faster
     singles = [replace(first, stepper=stepper) for stepper in contest.steppers()]
     return [v for one in singles for v in batch_candidates(one, plan.target, plan.compilers)]
 

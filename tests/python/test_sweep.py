@@ -94,7 +94,7 @@ def test_a_search_tries_legal_variants_only_each_once_and_every_option(tmp_path:
 def test_a_sweep_of_batches_begins_with_the_widest_lanes(contest: Contest, tmp_path: Path) -> None:
     """With all steppers, so that one that ends early has tried what is likely to win."""
     with opened(tmp_path / "s.sqlite") as store:
-        [outcome], _ = swept(store, FakeLab(), plan(contest, trials=12))
+        [outcome], _ = swept(store, FakeLab(), plan(contest, trials=6))
     tried = [e.variant for e in outcome.exploration.entries.values()]
     widths = Counter((v.stepper.name, v.width) for v in tried)
     print(f"{contest.name}: {dict(widths)}")
