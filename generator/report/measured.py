@@ -6,7 +6,6 @@ name says otherwise. The file is JSON; `read_measured` is strict about its field
 
 from __future__ import annotations
 
-import hashlib
 import json
 from functools import cache
 from pathlib import Path
@@ -14,9 +13,9 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from generator.emission.environment import templates_folder
 from generator.emission.files import write_atomically
 from generator.errors import InputError
+from generator.sweep.sources import hash_of_rooms
 
 SCHEMA = 2
 _ROOMS = ("mechanics", "steppers", "variants", "lowering", "emission", "verification", "profiling")
@@ -173,13 +172,7 @@ class Measured(_Part):
 @cache
 def sources_hash() -> str:
     """Hash of the rooms and templates that kernels, verdicts and counts follow from."""
-    package = Path(__file__).parents[1]
-    files = [path for room in _ROOMS for path in sorted((package / room).rglob("*.py"))]
-    files += [p for p in sorted(templates_folder().rglob("*.j2")) if "report" not in p.parts]
-    digest = hashlib.sha256()
-    for path in files:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:16]
+    return hash_of_rooms(_ROOMS)[:16]
 
 
 def measured_path(cache: Path, target: str, scene: str, model: str) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -38,8 +39,13 @@ def candidate_hash(candidate: Candidate) -> str:
 @cache
 def emission_hash() -> str:
     """Hash of all that texts follow from: where it is the same, none need be made again."""
+    return hash_of_rooms(_ROOMS)
+
+
+def hash_of_rooms(rooms: Iterable[str]) -> str:
+    """Hash of rooms of the generator and of the templates of kernels."""
     package = Path(__file__).parents[1]
-    files = [path for room in _ROOMS for path in (package / room).rglob("*")]
-    files += templates_folder().rglob("*.j2")
+    files = [path for room in rooms for path in (package / room).rglob("*")]
+    files += [path for path in templates_folder().rglob("*.j2") if path.parent.name != "report"]
     wanted = sorted(path for path in files if path.suffix in (".py", ".toml", ".j2"))
     return key_of(*([path.name, path.read_text("utf-8")] for path in wanted))
