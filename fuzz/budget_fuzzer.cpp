@@ -1,10 +1,13 @@
-// Exact kernels against each other: a loose one must not be grossly off what a tight one says.
-#include "fuzz_input.h"
+// Exact kernels against each other: a loose one, called or in a batch, must not be grossly off what
+// a tight one says.
+#include "promises.h"
 
 namespace {
 
 using carom::Row;
+using carom_fuzz::apart;
 using carom_fuzz::Case;
+using carom_fuzz::Outcome;
 
 // docs/accuracy.md says that hard cases may lie a little over a budget; this looks for the rest.
 constexpr double kGross = 30.0;      // budgets
@@ -21,26 +24,10 @@ const Row& tightest(const Row& of) {
   return *best;
 }
 
-struct Outcome {
-  double balls[18];
-  int status;
-};
-
 Outcome collide(const Row& row, const Case& c) {
   Outcome o{};
   o.status = row.functions.collide(c.p, c.balls, c.balls + 9, o.balls, o.balls + 9);
   return o;
-}
-
-// The largest difference of two outcomes, relative to |v1 - v2|.
-double apart(const Outcome& a, const Outcome& b, const Case& c) {
-  const double relative = std::hypot(c.balls[12] - c.balls[3], c.balls[13] - c.balls[4]);
-  double most = 0.0;
-  for (int i = 0; i < 18; ++i) {
-    const double unit = i % 9 < 6 ? 1.0 : c.p.R;
-    most = std::fmax(most, std::fabs(a.balls[i] - b.balls[i]) * unit);
-  }
-  return most / relative;
 }
 
 // Does a change of the input by a budget, or by rounding, change the outcome grossly? Then the
@@ -68,14 +55,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const Row& exact = tightest(row);
   if (row.steps > 0 || &row == &exact || !row.runs()) return -1;
   const Case c = carom_fuzz::real_case(bytes);
-  const Outcome loose = collide(row, c), tight = collide(exact, c);
-  if (loose.status != tight.status) {
-    carom_fuzz::found("two kernels disagree about the status", row, c);
-  }
-  const double off = apart(loose, tight, c);
-  if (off > kGross * row.budget && !steep(exact, c, tight, row.budget)) {
-    std::fprintf(stderr, "%.3g of |v1 - v2| apart\n", off);
-    carom_fuzz::found("grossly over the budget", row, c);
+  const Outcome tight = collide(exact, c);
+  for (const Outcome& loose : {collide(row, c), carom_fuzz::alone(row, c)}) {
+    if (loose.status != tight.status) {
+      carom_fuzz::found("two kernels disagree about the status", row, c);
+    }
+    const double off = apart(loose, tight, c);
+    if (off > kGross * row.budget && !steep(exact, c, tight, row.budget)) {
+      std::fprintf(stderr, "%.3g of |v1 - v2| apart\n", off);
+      carom_fuzz::found("grossly over the budget", row, c);
+    }
   }
   return 0;
 }

@@ -93,6 +93,14 @@ inline Case real_case(Bytes& bytes) {
   return c;
 }
 
+/// Any numbers, a collision of real use, or one of those with one number that is not.
+inline Case some_case(Bytes& bytes) {
+  const unsigned kind = bytes.take<std::uint8_t>();
+  Case c = (kind & 1u) != 0 ? any_case(bytes) : real_case(bytes);
+  if ((kind & 6u) == 6u) c.balls[bytes.take<std::uint8_t>() % 18] = bytes.take<double>();
+  return c;
+}
+
 /// Print a finding so that it can be done again, to the last bit, and abort.
 [[noreturn]] inline void found(const char* what, const carom::Row& row, const Case& c) {
   std::fprintf(stderr, "%s\nkernel %s\n", what, row.functions.name());

@@ -15,8 +15,10 @@ cd "$root"
 
 # target | share of the time in percent | what runs it
 share=(
-  "collide 35 build/fuzz/fuzz/collide_fuzzer"
-  "collide-memory 15 build/fuzz-memory/fuzz/collide_fuzzer"
+  "collide 20 build/fuzz/fuzz/collide_fuzzer"
+  "collide-memory 10 build/fuzz-memory/fuzz/collide_fuzzer"
+  "batch 15 build/fuzz/fuzz/batch_fuzzer"
+  "batch-memory 5 build/fuzz-memory/fuzz/batch_fuzzer"
   "budget 15 build/fuzz/fuzz/budget_fuzzer"
   "scene 10 parser"
   "targets 7 parser"

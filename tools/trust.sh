@@ -15,18 +15,25 @@ preset() { # PRESET: configured and built
   cmake --build --preset "$1"
 }
 
+every_kernel() { # BUILD: by call and in batches
+  local way
+  for way in collide batch; do
+    mkdir -p "build/fuzz-corpus/$way"
+    "$1/fuzz/${way}_fuzzer" "${replay[@]}" "build/fuzz-corpus/$way" 2>&1 | tail -n 1
+  done
+}
+
 say "address and undefined behaviour: the C++ tests and the bench"
 preset asan+ubsan
 ctest --preset asan+ubsan --no-tests=error
 
 say "address and undefined behaviour: every kernel, 200,000 inputs"
 preset fuzz
-mkdir -p build/fuzz-corpus/collide
-build/fuzz/fuzz/collide_fuzzer "${replay[@]}" build/fuzz-corpus/collide 2>&1 | tail -n 1
+every_kernel build/fuzz
 
 say "memory: every kernel, the same inputs"
 preset fuzz-memory
-build/fuzz-memory/fuzz/collide_fuzzer "${replay[@]}" build/fuzz-corpus/collide 2>&1 | tail -n 1
+every_kernel build/fuzz-memory
 
 say "static analysis: clang-tidy over C++, ruff with bandit's rules over Python"
 cmake --preset default >/dev/null

@@ -12,7 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.choice.lookup import Goal, default_kernel
+from generator.choice.lookup import Goal, default_kernel, in_default_lanes
 from generator.emission.client_file import client_file
 from generator.emission.files import write_atomically
 from generator.emission.isa import compiled_features
@@ -62,7 +62,7 @@ class Row:
         return repr(self.variant.stepper.budget or 0.0)
 
 
-def _variant(target: Target, model: str, goal: Goal) -> Variant:
+def _single(target: Target, model: str, goal: Goal) -> Variant:
     first = default_kernel(target, SCENE, model, goal)
     if goal.budget is None:
         return first
@@ -71,6 +71,10 @@ def _variant(target: Target, model: str, goal: Goal) -> Variant:
         if goal.budget >= least and broken_rule(wanted, target) is None:
             return wanted
     return first
+
+
+def _variant(target: Target, model: str, goal: Goal) -> Variant:
+    return in_default_lanes(_single(target, model, goal), target)
 
 
 def rows(targets: tuple[str, ...] = TARGETS) -> tuple[Row, ...]:

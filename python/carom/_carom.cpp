@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "kernel_table.h"
+#include "result_memory.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -31,7 +33,7 @@ using Statuses = nb::ndarray<unsigned char, nb::shape<-1>, nb::c_contig, nb::dev
 
 constexpr double kDefaultError = 1e-6;
 constexpr int kMostSteps = 100000000;
-constexpr std::size_t kBlock = 128;  // collisions that are gathered at once: 30 kB, near the core
+constexpr std::size_t kBlock = 1024;  // collisions that are gathered at once: what lanes work on
 
 std::string text_of(double value) {
   std::array<char, 32> text{};
@@ -108,6 +110,7 @@ class Kernel {
   const char* model() const { return row_.model; }
   const char* target() const { return row_.target; }
   const char* name() const { return row_.functions.name(); }
+  int lanes() const { return steps_ == row_.steps ? row_.lanes : 1; }
   std::optional<int> steps() const { return steps_ > 0 ? std::optional(steps_) : std::nullopt; }
   std::optional<double> max_error() const {
     return row_.budget > 0.0 ? std::optional(row_.budget) : std::nullopt;
@@ -138,8 +141,7 @@ class Kernel {
     if (u_b && u_b->shape(0) != n) refuse("u_b: expected one number a collision");
     if (out && out->shape(1) != n) refuse("out: expected 12 rows of as many columns as balls has");
     if (status && status->shape(0) != n) refuse("status: expected one byte a collision");
-    if (!out) out = nb::cast<ColumnsOut>(empty_(nb::make_tuple(12, n)));
-    if (!status) status = nb::cast<Statuses>(empty_(nb::make_tuple(n), "uint8"));
+    make_missing(n, out, status);
     const double* const friction = u_b ? u_b->data() : nullptr;
     {
       const nb::gil_scoped_release release;
@@ -149,6 +151,25 @@ class Kernel {
   }
 
  private:
+  // Those of the result arrays that the caller did not give, in one block.
+  void make_missing(std::size_t n, std::optional<ColumnsOut>& out,
+                    std::optional<Statuses>& status) const {
+    if (out && status) return;
+    const std::size_t columns = out ? 0 : 12 * n * sizeof(double);
+    auto lent = std::make_unique<carom::Lent>(spare_, columns + n);
+    carom::Block& block = lent->block();
+    const nb::capsule owner(lent.release(),
+                            [](void* p) noexcept { delete static_cast<carom::Lent*>(p); });
+    if (!out) {
+      const nb::ndarray<nb::numpy, double> made(block.at(0), {12, n}, owner);
+      out = nb::cast<ColumnsOut>(nb::cast(made));
+    }
+    if (!status) {
+      const nb::ndarray<nb::numpy, unsigned char> made(block.at(columns), {n}, owner);
+      status = nb::cast<Statuses>(nb::cast(made));
+    }
+  }
+
   // Columns that are contiguous are used where they lie; others are gathered block by block.
   void batch(const Parameters& p, const double* u_b, const ColumnsIn& balls, ColumnsOut& out,
              unsigned char* status, std::size_t n) const {
@@ -160,9 +181,9 @@ class Kernel {
       run(p, u_b, n, in, to, status);
       return;
     }
-    double block[30][kBlock];
-    for (std::size_t j = 0; j < 18; ++j) in[j] = block[j];
-    for (std::size_t j = 0; j < 12; ++j) to[j] = block[18 + j];
+    std::vector<std::array<double, kBlock + 8>> block(30);  // columns apart by no power of two
+    for (std::size_t j = 0; j < 18; ++j) in[j] = block[j].data();
+    for (std::size_t j = 0; j < 12; ++j) to[j] = block[18 + j].data();
     for (std::size_t first = 0; first < n; first += kBlock) {
       const std::size_t count = std::min(kBlock, n - first);
       for (std::size_t i = 0; i < count; ++i) {
@@ -200,6 +221,7 @@ class Kernel {
 
   const Row& row_;
   int steps_;
+  std::shared_ptr<carom::Spare> spare_ = std::make_shared<carom::Spare>();
   nb::object empty_;
   nb::tuple shape_ = nb::make_tuple(3, 3);
 };
@@ -240,6 +262,7 @@ NB_MODULE(_carom, m) {
       .def_prop_ro("model", &Kernel::model)
       .def_prop_ro("target", &Kernel::target, "the level of x86-64 whose code runs")
       .def_prop_ro("name", &Kernel::name, "in the grammar of kernel names")
+      .def_prop_ro("lanes", &Kernel::lanes, "collisions that a vector of collide_batch holds")
       .def_prop_ro("steps", &Kernel::steps, "N, or None")
       .def_prop_ro("max_error", &Kernel::max_error, "the budget that the kernel keeps, or None")
       .def("collide", &Kernel::collide, "parameters"_a, "ball1"_a, "ball2"_a,
@@ -249,10 +272,14 @@ NB_MODULE(_carom, m) {
       .def("collide_into", &Kernel::collide_into, "parameters"_a, "ball1"_a, "ball2"_a,
            "out1"_a.noconvert(), "out2"_a.noconvert(),
            "As collide, into arrays of the caller's, which may be those that come in; the status.")
-      .def("collide_batch", &Kernel::collide_batch, "parameters"_a, "balls"_a, "u_b"_a = nb::none(),
-           "out"_a.noconvert() = nb::none(), "status"_a.noconvert() = nb::none(),
-           "n collisions: (out, status). balls: float64 of shape (18, n), rows r1x..w2z; out:\n"
-           "(12, n), rows v1x..w2z; status: uint8 of n. Rows that are contiguous are not copied;\n"
-           "other strides do, as x.T of an array (n, 18). u_b: one friction a collision. out and\n"
-           "status may be given. The interpreter lock is released meanwhile.");
+      .def(
+          "collide_batch", &Kernel::collide_batch, "parameters"_a, "balls"_a, "u_b"_a = nb::none(),
+          "out"_a.noconvert() = nb::none(), "status"_a.noconvert() = nb::none(),
+          "n collisions: (out, status). balls: float64 of shape (18, n), rows r1x..w2z; out:\n"
+          "(12, n), rows v1x..w2z; status: uint8 of n. Rows that are contiguous are not copied;\n"
+          "other strides do, as x.T of an array (n, 18). u_b: one friction a collision. out and\n"
+          "status may be given. The interpreter lock is released meanwhile. Batches go in lanes\n"
+          "(other numbers of steps than 1000: call by call): as exact as collide, though rounded\n"
+          "otherwise; what a collision gives depends on itself alone, to the last bit. The kernel\n"
+          "keeps the memory of the results that were dropped last for those of the next batch.");
 }

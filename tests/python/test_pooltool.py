@@ -42,8 +42,8 @@ def environment() -> Path:
     return folder / "bin" / "python"
 
 
-def tests_of(*arguments: object) -> str:
-    """Run pytest there; what it prints."""
+def pytest_there(*arguments: object) -> str:
+    """Run pytest in that environment; what it prints."""
     command = [environment(), "-m", "pytest", "-q", "-s", "-p", "no:cacheprovider", *arguments]
     text = run(command, PYTHONPATH=str(TESTS), PYTHONDONTWRITEBYTECODE="")
     print(text)
@@ -52,17 +52,18 @@ def tests_of(*arguments: object) -> str:
 
 @pytest.mark.parametrize("name", sorted(path.name for path in TESTS.glob("test_*.py")))
 def test_with_the_real_pooltool(name) -> None:
-    assert re.search(r"\d+ passed", tests_of("--rootdir", TESTS, TESTS / name))
+    assert re.search(r"\d+ passed", pytest_there("--rootdir", TESTS, TESTS / name))
 
 
 def test_its_own_ball_ball_tests_pass_with_our_class() -> None:
-    """Its tests come with its repository alone: CAROM_POOLTOOL_SOURCE names a checkout of it."""
+    """Neither its wheel nor its sdist holds them: CAROM_POOLTOOL_SOURCE names a checkout."""
     source = os.environ.get("CAROM_POOLTOOL_SOURCE")
     if not source:
         pytest.skip(
-            "CAROM_POOLTOOL_SOURCE names no checkout of pooltool 0.6.0, which has its tests"
+            "CAROM_POOLTOOL_SOURCE names no checkout of pooltool 0.6.0: its tests are in its "
+            "repository alone, neither in its wheel nor in its sdist"
         )
     theirs = Path(source) / "tests" / "physics" / "resolve" / "ball_ball"
-    text = tests_of("-p", "ours_for_theirs", "--rootdir", source, theirs)
+    text = pytest_there("-p", "ours_for_theirs", "--rootdir", source, theirs)
     assert "FrictionalMathavan is that of carom.pooltool" in text
     assert re.search(r"\d{3} passed", text) and "failed" not in text

@@ -22,15 +22,23 @@ RUNNABLE = [name for name in TARGETS if read_host().runs(find_target(name))]
 NAMES = [model.name for model in MODELS]
 
 
-def outcomes(kernel, cases: np.ndarray) -> np.ndarray:
-    """Rows of 13 as the bench gives them; single calls, since parameters differ by case."""
-    rows = []
-    for case in cases:
-        parameters = carom().Parameters(*case[:6])
-        ball1, ball2 = case[6:15].reshape(3, 3), case[15:24].reshape(3, 3)
-        out1, out2, status = kernel.collide(parameters, ball1, ball2)
-        rows.append([*out1[1:].ravel(), *out2[1:].ravel(), status])
-    return np.array(rows)
+def by_call(kernel, parameters, case: np.ndarray) -> list[float]:
+    ball1, ball2 = case[6:15].reshape(3, 3), case[15:24].reshape(3, 3)
+    out1, out2, status = kernel.collide(parameters, ball1, ball2)
+    return [*out1[1:].ravel(), *out2[1:].ravel(), status]
+
+
+def by_batch(kernel, parameters, case: np.ndarray) -> list[float]:
+    out, status = kernel.collide_batch(parameters, case[6:].reshape(18, 1))
+    return [*out[:, 0], status[0]]
+
+
+WAYS = (by_call, by_batch)
+
+
+def outcomes(way, kernel, cases: np.ndarray) -> np.ndarray:
+    """Rows of 13 as the bench gives them; one case a call, since parameters differ by case."""
+    return np.array([way(kernel, carom().Parameters(*case[:6]), case) for case in cases])
 
 
 def million_like(count: int) -> tuple[object, np.ndarray]:
@@ -42,24 +50,26 @@ def million_like(count: int) -> tuple[object, np.ndarray]:
 # ---- kernels ---------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("target", RUNNABLE)
 @pytest.mark.parametrize("budget", BUDGETS)
 @pytest.mark.parametrize("model", NAMES)
-def test_every_exact_kernel_keeps_its_budget(model, budget, target) -> None:
+def test_every_exact_kernel_keeps_its_budget(model, budget, target, way) -> None:
     reference = load_reference()
     kernel = carom().Kernel(model, max_error=budget, target=target)
-    got = outcomes(kernel, reference.cases)
+    got = outcomes(way, kernel, reference.cases)
     error = errors_of(reference.cases, got, reference.exact[model]).relative
     print(f"{kernel.name}: largest error {error.max():.2g} of {budget:g}")
     assert np.array_equal(got[:, 12], reference.exact[model][:, 12])
     assert error.max() <= budget
 
 
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("target", RUNNABLE)
-def test_fixed_steps_are_those_of_pooltool(target) -> None:
+def test_fixed_steps_are_those_of_pooltool(target, way) -> None:
     reference = load_reference()
     kernel = carom().Kernel("pooltool", steps=STEPS, target=target)
-    got = outcomes(kernel, reference.cases)
+    got = outcomes(way, kernel, reference.cases)
     exact = reference.exact["pooltool"]
     theirs = np.hstack([reference.euler_pooltool[:, :OUTCOME_COLUMNS], exact[:, 13:]])
     verdict = euler_verdict(reference.cases, got, theirs, exact, STEPS)
@@ -97,17 +107,43 @@ def test_wrong_requests_name_what_there_is(arguments, parts) -> None:
 # ---- arrays ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("goal", [{"max_error": 1e-6}, {"steps": 1000}, {"steps": 300}])
-def test_batches_of_any_layout_are_single_calls(goal) -> None:
+GOALS = [{"max_error": 1e-6}, {"steps": 1000}, {"steps": 300}]
+
+
+def test_batches_go_in_the_widest_lanes_of_each_level() -> None:
+    widths = {"x86-64-v2": 2, "x86-64-v3": 4, "x86-64-v4": 8}
+    for target in RUNNABLE:
+        for goal in GOALS:
+            kernel = carom().Kernel(target=target, **goal)
+            assert kernel.lanes == (1 if kernel.steps == 300 else widths[target]), kernel.name
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_a_collision_in_a_batch_depends_on_itself_alone(goal) -> None:
+    kernel = carom().Kernel("mathavan2014", **goal)
+    parameters, balls = million_like(1000)
+    out, status = kernel.collide_batch(parameters, balls)
+    for i in range(0, 1000, 37):
+        alone, state = kernel.collide_batch(parameters, balls[:, i : i + 1])
+        assert state[0] == status[i]
+        assert np.array_equal(alone[:, 0], out[:, i], equal_nan=True)
+
+
+def test_batches_of_another_number_of_steps_are_single_calls() -> None:
+    kernel, (parameters, balls) = carom().Kernel(steps=300), million_like(100)
+    out, status = kernel.collide_batch(parameters, balls)
+    for i in range(100):
+        one, two, state = kernel.collide(parameters, *balls[:, i].reshape(2, 3, 3))
+        single = np.concatenate([one[1:].ravel(), two[1:].ravel()])
+        assert state == status[i] and np.array_equal(single, out[:, i], equal_nan=True)
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_batches_are_the_same_in_any_layout(goal) -> None:
     kernel = carom().Kernel("mathavan2014", **goal)
     parameters, balls = million_like(1000)
     out, status = kernel.collide_batch(parameters, balls)
     assert out.shape == (12, 1000) and status.shape == (1000,) and status.dtype == np.uint8
-    for i in range(0, 1000, 37):
-        ball1, ball2 = balls[:9, i].reshape(3, 3), balls[9:, i].reshape(3, 3)
-        one, two, state = kernel.collide(parameters, ball1, ball2)
-        single = np.concatenate([one[1:].ravel(), two[1:].ravel()])
-        assert state == status[i] and np.array_equal(single, out[:, i], equal_nan=True)
     rows = balls.T.copy()
     strided, _ = kernel.collide_batch(parameters, rows.T)
     assert np.array_equal(strided, out, equal_nan=True)
@@ -119,14 +155,33 @@ def test_batches_of_any_layout_are_single_calls(goal) -> None:
     assert np.array_equal(part, out[:, 100:400], equal_nan=True)
 
 
+def test_memory_of_results_is_given_out_again_only_when_they_are_dropped() -> None:
+    kernel, (parameters, balls) = carom().Kernel(), million_like(50_000)
+    first, marks = kernel.collide_batch(parameters, balls)
+    place, row = first.ctypes.data, first[3]
+    before, states = first.copy(), marks.copy()
+    other, _ = kernel.collide_batch(parameters, -balls)
+    assert not np.shares_memory(first, other)
+    del first  # a row and the statuses are still held
+    kernel.collide_batch(parameters, -balls)
+    assert np.array_equal(row, before[3]) and np.array_equal(marks, states)
+    del row, marks
+    again, _ = kernel.collide_batch(parameters, balls)
+    assert again.ctypes.data == place and np.array_equal(again, before, equal_nan=True)
+    small, _ = kernel.collide_batch(parameters, balls[:, :100])
+    assert np.array_equal(small, before[:, :100], equal_nan=True)
+    del kernel
+    assert np.array_equal(again, before, equal_nan=True) and again.flags.writeable
+
+
 def test_friction_by_collision() -> None:
     kernel, (parameters, balls) = carom().Kernel(), million_like(200)
     u_b = np.linspace(0.0, 0.2, 200)
     out, _ = kernel.collide_batch(parameters, balls, u_b=u_b)
     for i in (0, 77, 199):
         own = carom().Parameters(u_b=u_b[i])
-        one, two, _ = kernel.collide(own, *balls[:, i].reshape(2, 3, 3))
-        assert np.array_equal(np.concatenate([one[1:].ravel(), two[1:].ravel()]), out[:, i])
+        alone, _ = kernel.collide_batch(own, balls[:, i : i + 1])
+        assert np.array_equal(alone[:, 0], out[:, i])
 
 
 def test_what_comes_in_is_left_alone_and_into_may_alias() -> None:
