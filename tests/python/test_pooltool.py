@@ -64,6 +64,7 @@ def test_its_own_ball_ball_tests_pass_with_our_class() -> None:
             "repository alone, neither in its wheel nor in its sdist"
         )
     theirs = Path(source) / "tests" / "physics" / "resolve" / "ball_ball"
-    text = pytest_there("-p", "ours_for_theirs", "--rootdir", source, theirs)
+    # -v takes -q back: with it pytest leaves its header out.
+    text = pytest_there("-v", "-p", "ours_for_theirs", "--rootdir", source, theirs)
     assert "FrictionalMathavan is that of carom.pooltool" in text
     assert re.search(r"\d{3} passed", text) and "failed" not in text
