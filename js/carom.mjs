@@ -95,7 +95,8 @@ class Kernel {
 
   /**
    * n collisions: `columns` is a Float64Array of 18 n numbers, r1x of all, then r1y of all, to w2z.
-   * {columns, statuses, good}: 12 n numbers, v1x of all to w2z; n statuses; how many are OK.
+   * {columns, statuses, good}: 12 n numbers, v1x of all to w2z; n statuses; how many are OK. Batches go in
+   * lanes: as exact as collide, though rounded otherwise; a collision's outcome depends on itself alone.
    */
   collideBatch(parameters, columns) {
     const n = columns.length / INPUTS;

@@ -48,6 +48,8 @@ def lane_context(target: Target, width: int, interleave: int = 1, fma: bool = Tr
     error = 2.0**-14 if rsqrt14 else 1.5 * 2.0**-12
     if target.has("neon"):
         error = 2.0**-8
+    if target.has("simd128"):
+        error = 2.0**-52  # the root itself
     return LaneContext(
         name=set_for(target, width).name,
         width=width,

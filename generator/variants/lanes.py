@@ -28,6 +28,7 @@ INSTRUCTION_SETS: tuple[InstructionSet, ...] = (
     InstructionSet("avx2", 4, "x86_64", frozenset({"avx2"}), "AVX2"),
     InstructionSet("avx512", 8, "x86_64", frozenset({"avx512f", "avx512dq"}), "AVX-512"),
     InstructionSet("neon", 2, "aarch64", frozenset({"neon"}), "NEON"),
+    InstructionSet("simd128", 2, "wasm32", frozenset({"simd128"}), "WebAssembly's SIMD"),
 )
 
 
