@@ -23,7 +23,7 @@ from generator.sweep.station import BLOCK_MS, TimingJob, rejection_of
 from generator.timing.ratios import Interval, TimingRun, control_band, joined, timing_run
 
 PROCESSES = 6  # the range of six covers the median in 97 of 100
-FINAL_ROUNDS = 60  # in each
+FINAL_ROUNDS = 120  # in each
 FINAL_SECONDS = 8.0
 NEGLIGIBLE = 1.01  # of the ties, the choice is among those that lose no more than this
 CLEARLY = 1.03  # a kernel that is faster than the choice by more than this beats it

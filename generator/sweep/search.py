@@ -17,6 +17,7 @@ from generator.variants.variant import Variant
 
 LEADERS = 5  # the best so far, all of whose neighbours are tried
 _RANDOM_SHARE = 6  # one in so many is drawn at random, against a search that sees only one valley
+_ALIKE = 0.01  # ratios that the model cannot tell apart
 _DOUBTFUL = 3  # variants with an option, all rejected: what else has it comes last
 _RIDGE = 0.1
 
@@ -129,9 +130,12 @@ class Search:
             return []
         model, doubtful = EffectModel.fit(ratios), _doubtful(ratios, rejected)
 
-        def promise(item: tuple[str, Variant]) -> tuple[bool, float, str]:
+        def promise(item: tuple[str, Variant]) -> tuple[bool, int, int, str]:
+            """Of those alike, the one that would be chosen: with the fewest options changed."""
             name, variant = item
-            return not doubtful.isdisjoint(features(variant)), model.ratio(variant), name
+            known = doubtful.isdisjoint(features(variant))
+            alike = round(math.log(model.ratio(variant)) / _ALIKE)
+            return not known, alike, variant.distance_from_default(), name
 
         ranked = sorted(near.items(), key=promise)
         chosen = dict(ranked[: size - size // _RANDOM_SHARE])
