@@ -39,17 +39,23 @@ def modelled(bench: Workbench, variant: Variant, host: Host, cases: Array) -> tu
 
 
 def _prepared(bench: Workbench, variant: Variant, target: Target) -> tuple[Candidate | None, str]:
-    """The variant for a target, or why there is none."""
+    """The variant for a target, or why there is none; by Clang where its own compiler cannot."""
     own = replace(variant, target=target.name)
     if not target.has("fma"):
         own = own.with_options(fma="nofma")
     if (rule := broken_rule(own, target)) is not None:
         return None, rule.reason
-    try:
-        (candidate,) = bench.prepare([own], target)
-    except (KernelError, InputError, ValueError) as error:
-        return None, str(error)
-    return candidate, ""
+    reason = ""
+    for code in dict.fromkeys((own["compiler"], "clang")):  # which makes code for all of them
+        if code not in bench.compilers:
+            continue
+        try:
+            (candidate,) = bench.prepare([own.with_options(compiler=code)], target)
+        except (KernelError, InputError, ValueError) as error:
+            reason = reason or str(error)
+        else:
+            return candidate, reason and f"by {code}: {reason}"
+    return None, reason
 
 
 def _modelled(

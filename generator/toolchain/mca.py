@@ -21,7 +21,6 @@ from generator.toolchain.process import run
 ITERATIONS = 100
 _TIMEOUT = 120.0
 _MOST_PATHS = 8  # the longest ones are simulated
-_LINES = ("#", "//")  # how comments begin: x86, AArch64
 
 
 @dataclass(frozen=True)
@@ -112,9 +111,9 @@ def _simulate(
     mca: Mca, target: Target, paths: list[tuple[str, ...]]
 ) -> tuple[list[dict], list[str]]:
     """One region a path through llvm-mca: its JSON regions in order, the names of the units."""
-    sign = _LINES[target.row.arch == "aarch64"]
+    # With # on AArch64 too: llvm-mca takes no region from a comment that begins with //.
     text = "".join(
-        f"{sign} LLVM-MCA-BEGIN p{n}\n" + "\n".join(lines) + f"\n{sign} LLVM-MCA-END p{n}\n"
+        f"# LLVM-MCA-BEGIN p{n}\n" + "\n".join(lines) + f"\n# LLVM-MCA-END p{n}\n"
         for n, lines in enumerate(paths)
     )
     options = (f"-iterations={ITERATIONS}", "--json")

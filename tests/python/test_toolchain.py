@@ -265,6 +265,28 @@ def test_a_trip_of_a_loop_counts_what_usually_runs():
     assert marked_loops(moved_away, "other") == []
 
 
+def test_mca_sees_every_way_through_a_loop_of_aarch64():
+    need_mca()
+    text = """
+    main:
+    .L1:
+        // LLVM-MCA-BEGIN loop
+        fadd d0, d0, d1
+        fcmp d0, d2
+        b.gt .L2
+        fsqrt d0, d0
+    .L2:
+        fadd d0, d0, d1
+        subs w0, w0, #1
+        b.ne .L1
+        ret
+    """
+    report = analyse(textwrap.dedent(text), find_target("apple-m1"))
+    print(report.path_cycles)
+    assert len(report.path_cycles) == 2
+    assert report.cycles_per_iteration == max(report.path_cycles) > min(report.path_cycles)
+
+
 def test_mca_says_what_is_missing(monkeypatch):
     need_mca()
     with pytest.raises(KernelError, match="no LLVM-MCA region 'loop'"):
