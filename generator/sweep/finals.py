@@ -25,7 +25,7 @@ from generator.timing.ratios import Interval, TimingRun, control_band, joined, t
 PROCESSES = 6  # the range of six covers the median in 97 of 100
 FINAL_ROUNDS = 120  # in each
 FINAL_SECONDS = 8.0
-NEGLIGIBLE = 1.01  # of the ties, the choice is among those that lose no more than this
+NEGLIGIBLE = 1.01  # what loses no more than this is a tie, and may be chosen
 CLEARLY = 1.03  # a kernel that is faster than the choice by more than this beats it
 
 Purpose = Literal["choice", "verify-choice"]
@@ -70,10 +70,14 @@ class Rounds:
         return control_band(self.whole)
 
     def ties(self, name: str, best: str) -> bool:
-        """Can a kernel not be told from the fastest? As timing.ratios has it, over processes."""
+        """Can a kernel not be told from the fastest, or by less than matters?
+
+        As timing.ratios has it, over processes. Without the second, of several kernels that differ
+        by less than 1 % each of two sweeps could choose one that the other names no tie.
+        """
         ratio, (least, most) = self.ratio(name, best)
         low, high = self.control()
-        return low <= ratio <= high or least <= 1 <= most
+        return low <= ratio <= high or least <= 1 <= most or ratio <= NEGLIGIBLE
 
 
 def choose(exploration: Exploration) -> Final | None:
@@ -103,7 +107,7 @@ def hold(
         timed = _timed(exploration, [c for _, c in pairs], rounds)
     best = timed.fastest([c.name for _, c in pairs])
     rows = [_finalist(exploration, *pair, timed, best) for pair in pairs]
-    close = [row for row in rows if row.tie and row.to_fastest <= NEGLIGIBLE]
+    close = [row for row in rows if row.to_fastest <= NEGLIGIBLE]
     preferred = min(close, key=lambda row: (row.distance, row.subject.name)).subject.name
     return exploration.ledger.final(
         key,
