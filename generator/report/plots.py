@@ -16,6 +16,7 @@ from matplotlib.ticker import LogLocator
 WIDTH, HEIGHT = 760.0, 430.0
 LEFT, RIGHT, TOP, BOTTOM = 74.0, 74.0, 14.0, 54.0
 SIDE, SIDEWAYS = 9.0, 5  # width of a mark, and so many to either side of where they all belong
+ASIDE = 0.1  # decades that no mark is moved further than
 LEAST_SPAN = 0.6  # decades of an axis: marks that differ by a hair should look so
 
 SHAPES = ("circle", "square", "triangle", "diamond", "star")
@@ -150,7 +151,9 @@ def scatter(
         scale.least, scale.most = (end + math.log10(base_ns) for end in (up.least, up.most))
         right = scale.ticks(nanoseconds)
     placed_marks = [replace(p, x=across(p.x), y=up(p.y)) for p in points]
-    marks = tuple(sorted(_side_by_side(placed_marks), key=lambda p: (p.front, p.tie)))
+    decade = (across.high - across.low) / (across.most - across.least)
+    steps = min(SIDEWAYS, int(ASIDE * decade / SIDE))
+    marks = tuple(sorted(_side_by_side(placed_marks, steps), key=lambda p: (p.front, p.tie)))
     lines = [Line(_staircase([(across(x), up(y)) for x, y in front]), None, True)] if front else []
     lines += [Line(_path([(across(x), up(y)) for x, y in run]), c) for c, run in series]
     placed = tuple(_band(up, low, high, text) for low, high, text in bands)
@@ -170,23 +173,26 @@ def scatter(
     )
 
 
-def _side_by_side(marks: Sequence[Point]) -> list[Point]:
-    """Marks moved sideways, a little, where they would hide each other; those of a front stay."""
+def _side_by_side(marks: Sequence[Point], steps: int) -> list[Point]:
+    """Marks moved sideways, a little, where they would hide each other; those of a front stay.
+
+    `steps`: widths of a mark that they may be moved to either side.
+    """
     taken: dict[int, list[tuple[float, float]]] = defaultdict(list)
     found = []
     for mark in sorted(marks, key=lambda p: (not p.front, not p.tie, p.y, p.x, p.title)):
         row = int(mark.y // SIDE)
         near = [place for other in (row - 1, row, row + 1) for place in taken[other]]
-        x = next((x for x in _beside(mark.x) if not _hides(x, mark.y, near)), mark.x)
+        x = next((x for x in _beside(mark.x, steps) if not _hides(x, mark.y, near)), mark.x)
         taken[row].append((x, mark.y))
         found.append(replace(mark, x=round(x, 1)))
     return found
 
 
-def _beside(x: float) -> list[float]:
+def _beside(x: float, steps: int) -> list[float]:
     """Places to try, the nearest first."""
-    steps = sorted(range(-SIDEWAYS, SIDEWAYS + 1), key=abs)
-    return [x + SIDE * n for n in steps if LEFT < x + SIDE * n < WIDTH - RIGHT]
+    numbers = sorted(range(-steps, steps + 1), key=abs)
+    return [x + SIDE * n for n in numbers if LEFT < x + SIDE * n < WIDTH - RIGHT]
 
 
 def _hides(x: float, y: float, near: Iterable[tuple[float, float]]) -> bool:

@@ -344,6 +344,9 @@ def test_marks_of_equal_kernels_do_not_hide_each_other(made: Made) -> None:
     print(f"{len(places)} marks, the nearest two are {apart:.2f} of a mark apart")
     assert apart >= 1
     assert places["3"][0] == alone.x  # of the front: where it belongs
+    far = Point(1e6, 0.5, "circle", 0, "far")
+    wide = scatter("p", "t", [*points, far], [], "x", "y")  # where a mark is as wide as 0.2 decades
+    assert len({mark.x for mark in wide.marks}) == 2
 
 
 def test_each_option_has_a_row_even_if_none_was_timed_with_the_default(made: Made) -> None:
