@@ -137,6 +137,10 @@ carom_look_venv() {
 carom_venv() {
   local venv=$root/.venv log reason
   if [[ $carom_state == unusable ]] || ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
+    # To clear a link would empty the folder behind it, which another clone uses.
+    if [[ -L $venv ]]; then
+      carom_fail "$venv is a link to $(readlink -f -- "$venv"), which is not of this clone; remove the link"
+    fi
     carom_find_python || carom_fail "missing: Python 3.11 or later with its venv module (python3-venv)"
     carom_say "making .venv with $carom_python"
     "$carom_python" -m venv --clear "$venv" >&2 || carom_fail "cannot make $venv with $carom_python"
