@@ -96,7 +96,7 @@ class ExactLowering:
     def _laid_out(self) -> OperationCounts:
         """What templates/exact lays out around the printed parts of a step.
 
-        Squares of slips, the pace and first impulses of a clustered step, the size of the error.
+        Squares of slips, the pace, the first impulses, the size of the error.
         """
         added = OperationCounts(fma=1) if self.place_fma else OperationCounts(add=1, mul=1)
         evaluations = self.tableau.stages - 1
@@ -139,10 +139,12 @@ class ExactLowering:
 
     # -- what impulses change --
 
-    def _moved(self, slip: str, base: sp.Expr, impulse: str, q: sp.Expr | None) -> sp.Expr:
-        """base + the change of a slip by the impulses named `impulse` + name, and by q."""
+    def _moved(
+        self, slip: str, base: sp.Expr, impulse: str, q: sp.Expr, share: int | sp.Expr = 1
+    ) -> sp.Expr:
+        """base + the change of a slip by the impulses `impulse` + name, and by a share of q."""
         change = self.changes[SLIPS[slip]]
-        terms = [(change.coeff(s.DQ), q)] if q is not None else []
+        terms = [(change.coeff(s.DQ) * share, q)]
         terms += [(change.coeff(of), _symbol(impulse + name)) for name, of in self.impulses.items()]
         total = base
         for weight, value in terms:
@@ -157,8 +159,7 @@ class ExactLowering:
     def drift(self) -> Part:
         """b, the rate of change of the table slip at the start of a step."""
         names = (("b_x", "s_x"), ("b_y", "s_y"))
-        one = sp.Integer(1)
-        forms = [(b, self._moved(slip, sp.Integer(0), "at.k.", one)) for b, slip in names]
+        forms = [(b, self._moved(slip, sp.Integer(0), "at.k.", sp.Integer(1))) for b, slip in names]
         return self._part([Assign(b, form, KIND) for b, form in forms])
 
     def landed(self) -> Part:
@@ -178,33 +179,29 @@ class ExactLowering:
         last = max(j for j, w in enumerate(row) if w != 0)
         whole = self.lanes or i == self.tableau.stages - 1
         split = not self.lanes
-        assigns = [*self._reached(i)]
+        assigns: list[Assign] = []
         early = f"m{i}_" if split and last > 0 else ""
         if early:
             assigns += self._sums_of_rates(row[:last], early)
         if not split or whole or (self.table and self._counts_power(i)):
             names = tuple(self.impulses) if whole else ("t_y",)
             assigns += self._sums_of_rates(row, f"sum{i}_", names)
-        q = self._q(i)
+        share = _rational(self.tableau.c[i])
         for name in self.slips:
             start = _symbol(f"at.{name}")
             if split:
-                base = self._moved(name, start, early, q) if early else self._moved_by_q(name, q)
+                base = self._moved_by_q(name, share)
+                if early:
+                    base = self._moved(name, start, early, H, share)
                 value = self._moved_by_last(name, base, row[last], last)
             else:
-                value = self._moved(name, start, f"sum{i}_", q)
+                value = self._moved(name, start, f"sum{i}_", H, share)
             assigns.append(Assign(f"{name}{i}", value, KIND))
         part = self._part(assigns)
         state = f"const Slips y{i} = {{{', '.join(f'{name}{i}' for name in self.slips)}}};"
-        if not self.table:
-            call = f"const Rates k{i} = rates_at(start, y{i}, h);"
-            return Part((*part.lines, state, call), part.counts + rates)
-        pace = self._add(_rational(1 - 2 * self.tableau.c[i]), _symbol("h_cluster"), H)
-        paced = self._part([Assign(f"pace{i}", pace, KIND)])
-        call = f"const Rates k{i} = rates_at(start, y{i}, pace{i});"
-        speed = self._speed(i) if self._counts_power(i) else EMPTY
-        lines = (*part.lines, state, *paced.lines, call, *speed.lines)
-        return Part(lines, part.counts + rates + paced.counts + speed.counts)
+        call = f"const Rates k{i} = rates_at(start, y{i}, h);"
+        speed = self._speed(i) if self.table and self._counts_power(i) else EMPTY
+        return Part((*part.lines, state, call, *speed.lines), part.counts + rates + speed.counts)
 
     def _sums_of_rates(
         self, row: Sequence[Fraction], prefix: str, names: Sequence[str] = ()
@@ -219,29 +216,11 @@ class ExactLowering:
             for name in names or self.impulses
         ]
 
-    def _bend(self, i: int) -> Fraction:
-        """What clustered stages add to q at stage i, over h_cluster."""
-        c, row = self.tableau.c, self.tableau.rows[i]
-        return sum((w * (1 - 2 * c[j]) for j, w in enumerate(row)), Fraction(0))
-
-    def _reached(self, i: int) -> list[Assign]:
-        """q at stage i from the start of the step, where it is not the whole."""
-        if not self.table or self._q(i) == H:
-            return []
-        value = _rational(self.tableau.c[i]) * H
-        if self.table and self._bend(i):
-            value = self._add(_rational(self._bend(i)), _symbol("h_cluster"), value)
-        return [Assign(f"q{i}", value, KIND)]
-
-    def _q(self, i: int) -> sp.Symbol:
-        straight = not self.table or self._bend(i) == 0
-        return H if self.tableau.c[i] == 1 and straight else _symbol(f"q{i}")
-
-    def _moved_by_q(self, slip: str, q: sp.Symbol) -> sp.Expr:
-        weight, start = self.changes[SLIPS[slip]].coeff(s.DQ), _symbol(f"at.{slip}")
+    def _moved_by_q(self, slip: str, share: sp.Expr) -> sp.Expr:
+        weight, start = self.changes[SLIPS[slip]].coeff(s.DQ) * share, _symbol(f"at.{slip}")
         if weight == 0:
             return start
-        return Plus(start, q) if weight == 1 else self._add(weight, q, start)
+        return Plus(start, H) if weight == 1 else self._add(weight, H, start)
 
     def _moved_by_last(self, slip: str, base: sp.Expr, weight: Fraction, stage: int) -> sp.Expr:
         """The latest impulses last, since they are known last."""
@@ -259,7 +238,7 @@ class ExactLowering:
 
     def _speed(self, i: int) -> Part:
         """Approach velocity at stage i, and the work of table friction j = v t_y there."""
-        driven = self._add(sp.Integer(2), self._q(i), _symbol("v0"))
+        driven = self._add(2 * _rational(self.tableau.c[i]), H, _symbol("v0"))
         approach = self.changes[s.V_N].coeff(s.T2Y)
         rubbed = _symbol(f"sum{i}_t_y")
         value = Plus(driven, rubbed) if approach == 1 else self._add(approach, rubbed, driven)

@@ -24,6 +24,7 @@ class StepControl:
     passage: float  # error that one passage of the table slip by zero may make, in tolerances
     depart: float  # error that the first step from rest may make, in tolerances
     tail: float  # weight of the error of the step into sticking
+    table_error: float = 1.0  # weight of the errors of table friction; that between the balls is 1
     safe: float = 0.7  # share of the tolerance that errors are aimed at
     contact_reach: float = 0.7  # without a table: share of the contact slip that a step may remove
     top_passage: float = 0.1  # share of `passage` where the table drives its slip away from zero
@@ -48,11 +49,15 @@ _PLANS: tuple[tuple[float, str, StepControl], ...] = (
     ),
     (9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
     (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
-    (1e-7, "dp54", StepControl(0.07, 2.2, 7.0, 0.05, 10.0, 1.5, top_passage=3e-7, top_depart=1e-6)),
+    (
+        1e-7,
+        "dp54",
+        StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, top_passage=3e-8, top_depart=1e-7),
+    ),
     (
         1e-10,
         "dop853",
-        StepControl(0.25, 3.0, 5.0, 0.05, 0.1, 10.0, top_passage=1e-9, top_depart=1e-7),
+        StepControl(1.0, 2.4, 4.5, 0.0125, 0.025, 40.0, 3.0, top_passage=2e-10, top_depart=2e-8),
     ),
     (
         TIGHTEST,
