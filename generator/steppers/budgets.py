@@ -25,6 +25,7 @@ class StepControl:
     depart: float  # error that the first step from rest may make, in tolerances
     tail: float  # weight of the error of the step into sticking
     table_error: float = 1.0  # weight of the errors of table friction; that between the balls is 1
+    rest: float = 0.02  # table slip that counts as zero, in tolerances / friction
     safe: float = 0.7  # share of the tolerance that errors are aimed at
     contact_reach: float = 0.7  # without a table: share of the contact slip that a step may remove
     top_passage: float = 0.1  # share of `passage` where the table drives its slip away from zero
@@ -52,12 +53,16 @@ _PLANS: tuple[tuple[float, str, StepControl], ...] = (
     (
         1e-7,
         "dp54",
-        StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, top_passage=3e-8, top_depart=1e-7),
+        StepControl(
+            0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002, top_passage=1e-6, top_depart=1e-6
+        ),
     ),
     (
         1e-10,
         "dop853",
-        StepControl(1.0, 2.4, 4.5, 0.0125, 0.025, 40.0, 3.0, top_passage=2e-10, top_depart=2e-8),
+        StepControl(
+            1.0, 2.4, 4.5, 0.0125, 0.025, 40.0, 3.0, 0.002, top_passage=1e-9, top_depart=1e-7
+        ),
     ),
     (
         TIGHTEST,
