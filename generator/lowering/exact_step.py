@@ -102,7 +102,7 @@ class ExactLowering:
         evaluations = self.tableau.stages - 1
         if self.table:
             total = (added * 4 + OperationCounts(mul=1)) * evaluations
-            total = total + OperationCounts(add=2, mul=12, div=1)
+            total = total + added + OperationCounts(mul=11, div=1)
         else:
             total = (added * 2 + OperationCounts(mul=1)) * evaluations
             total = total + added + OperationCounts(mul=7, div=1)

@@ -54,7 +54,7 @@ _PLANS: tuple[tuple[float, str, StepControl], ...] = (
         1e-7,
         "dp54",
         StepControl(
-            0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002, top_passage=1e-6, top_depart=1e-6
+            0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002, top_passage=1e-5, top_depart=1e-6
         ),
     ),
     (
