@@ -45,6 +45,8 @@ double best_ns(Batch* batch, BatchFunction function, unsigned threads, int round
 bool same_outcomes(const Batch& a, const Batch& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     const OutcomeRow one = a.outcome(i), other = b.outcome(i);
+    // Bits are meant: NaN is itself, and 0 is not -0.
+    // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     if (std::memcmp(one.data(), other.data(), sizeof(one)) != 0) return false;
   }
   return true;

@@ -44,10 +44,9 @@ carom_oracle::Params params_of(const Case& one) {
 double relative_error(const Case& one, const carom_oracle::Outcome& got, const Columns& want) {
   double most = 0, speed = 0;
   const double* parts[4] = {got.v1, got.w1, got.v2, got.w2};
-  for (int part = 0; part < 4; ++part) {
-    for (int i = 0; i < 3; ++i) {
-      const double off =
-          std::fabs(parts[part][i] - want[static_cast<std::size_t>(1 + 3 * part + i)]);
+  for (std::size_t part = 0; part < 4; ++part) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double off = std::fabs(parts[part][i] - want[1 + 3 * part + i]);
       most = std::fmax(most, part % 2 == 1 ? one.params.R * off : off);
     }
   }
