@@ -132,9 +132,11 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
 
 def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
     """The chosen exact kernel in the widest lanes; narrower ones for comparison."""
-    if find_scene(single.scene).without_exact_lanes:
+    scene = find_scene(single.scene)
+    if scene.without_exact_lanes:
         return []
-    widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
+    there = widths_of(target, scene.precision)
+    widest, *narrower = sorted((w for w in there if w > 1), reverse=True)
     ways = [(widest, "i1"), (widest, "i2"), *((width, "i2") for width in narrower[:1])]
     found = [
         single.in_lanes(width, interleave=interleave, compiler=compiler)

@@ -91,7 +91,8 @@ def _plan(
     only: Mapping[str, tuple[str, ...]],
     lab: Lab,
 ) -> Plan:
-    widths = {"scalar": (1,), "batch": tuple(w for w in widths_of(target) if w > 1)}
+    there = widths_of(target, find_scene(asked.scene).precision)
+    widths = {"scalar": (1,), "batch": tuple(w for w in there if w > 1)}
     return Plan(
         target=target,
         contests=tuple(c for c in contests if widths[c.call]),

@@ -368,9 +368,8 @@ def _lanes(variant: Variant, target: Target) -> LaneContext:
     exact = variant.stepper.family == "exact"
     if reason := scene.without_exact_lanes if exact else scene.without_lanes:
         raise InputError(f"--scene {scene.name}: {reason}; expected width 1")
-    return lane_context(
-        target, variant.width, int(variant["interleave"][1:]), variant["fma"] == "fma"
-    )
+    interleave, fma = int(variant["interleave"][1:]), variant["fma"] == "fma"
+    return lane_context(target, variant.width, interleave, fma, scene.precision)
 
 
 def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:

@@ -2,10 +2,51 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from generator.targets.target import Target
-from generator.variants.lanes import set_for
+from generator.variants.lanes import Precision, set_for
+
+
+@dataclass(frozen=True)
+class NumberForm:
+    """What a lane is: its C++ type, and what the templates of lanes do with its bits."""
+
+    real: str  # the C++ type
+    bits: int
+    suffix: str  # of x86 intrinsics
+    neon: str  # of NEON's
+    sign: str  # the sign bit
+    exponent: str  # the bits of the exponent
+    step: str  # the lowest of them
+    inverse: str  # the bits of 1 and of a power of two, less those of its inverse, plus those of 1
+    one: str  # the bits of 1, as a product of doubles
+
+
+NUMBERS: dict[Precision, NumberForm] = {
+    "double": NumberForm(
+        real="double",
+        bits=64,
+        suffix="pd",
+        neon="f64",
+        sign="0x8000000000000000u",
+        exponent="0x7ff0000000000000u",
+        step="0x0010000000000000u",
+        inverse="0x7fe0000000000000u",
+        one="1023.0 * 4503599627370496.0",
+    ),
+    "float": NumberForm(
+        real="float",
+        bits=32,
+        suffix="ps",
+        neon="f32",
+        sign="0x80000000u",
+        exponent="0x7f800000u",
+        step="0x00800000u",
+        inverse="0x7f000000u",
+        one="127.0 * 8388608.0",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -13,11 +54,24 @@ class LaneContext:
     """What templates/lanes/*.j2 may see as `lanes`."""
 
     name: str  # the instruction set
+    number: NumberForm  # what a lane is
     width: int  # lanes of one vector
     interleave: int  # vectors that are worked on in turn
     fma: bool  # is `fma` one instruction?
-    rsqrt14: bool  # is there a double estimate to 2^-14?
+    rsqrt14: bool  # is there an estimate to 2^-14?
     estimate_error: float  # relative, of rsqrt_estimate
+    mask_type: str  # where masks are no vectors
+    packed_bytes: int  # of a lane, as a shuffle takes them: 1 where it takes whole lanes
+    frame: LaneContext | None = None  # of floats: the doubles that their frame is worked on in
+    converts: bool = False  # of doubles: are they loaded from floats and stored to them too?
+
+    @property
+    def floats(self) -> bool:
+        return self.number.real == "float"
+
+    @property
+    def vector_bytes(self) -> int:
+        return self.width * self.number.bits // 8
 
     @property
     def vectors(self) -> range:
@@ -38,23 +92,44 @@ class LaneContext:
         """Lanes in flight: kLanes."""
         return self.width * self.interleave
 
+    @property
+    def bits_type(self) -> str:
+        """What a bit for each lane in flight fits into."""
+        return "unsigned" if self.whole <= 32 else "std::uint64_t"
 
-def lane_context(target: Target, width: int, interleave: int = 1, fma: bool = True) -> LaneContext:
-    """The vocabulary for vectors of `width` doubles. ValueError where the target has none.
 
-    `fma`: place fused multiply-adds, where the target has them.
+def lane_context(
+    target: Target,
+    width: int,
+    interleave: int = 1,
+    fma: bool = True,
+    precision: Precision = "double",
+) -> LaneContext:
+    """The vocabulary for vectors of `width` numbers. ValueError where the target has none.
+
+    `fma`: place fused multiply-adds, where the target has them. Floats come with their frame: half
+    as many doubles, which hold what must not be rounded to float (positions, speeds, statuses).
     """
-    rsqrt14 = target.has("avx512vl") or (width == 8 and target.has("avx512f"))
+    wide = 8 if precision == "double" else 16
+    rsqrt14 = target.has("avx512vl") or (width == wide and target.has("avx512f"))
     error = 2.0**-14 if rsqrt14 else 1.5 * 2.0**-12
     if target.has("neon"):
         error = 2.0**-8
     if target.has("simd128"):
         error = 2.0**-52  # the root itself
+    found = set_for(target, width, precision)
+    frame = None
+    if precision == "float" and width > 1:
+        frame = replace(lane_context(target, width // 2, 1, fma), converts=True)
     return LaneContext(
-        name=set_for(target, width).name,
+        name=found.name,
+        number=NUMBERS[precision],
         width=width,
         interleave=interleave,
         fma=fma and target.has("fma"),
         rsqrt14=rsqrt14,
         estimate_error=error,
+        mask_type=f"__mmask{width}" if found.name == "avx512" else "",
+        packed_bytes=1 if found.name == "avx2" else 4,
+        frame=frame,
     )

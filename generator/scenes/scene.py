@@ -184,8 +184,6 @@ class Scene(BaseModel):
             return "no vertical slip: its closed form has no lanes to fill"
         if not self.table_friction:
             return "no table friction"
-        if self.precision != "double":
-            return f"precision {self.precision}"
         if not self.equal_masses:
             return "unequal masses"
         return self.without_lanes

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from generator.scenes.scene import find_scene
 from generator.targets.target import Target
 from generator.variants.lanes import widths_of
 from generator.variants.variant import Variant
@@ -139,8 +140,8 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "lanes-need-vectors",
-        "the target has no vectors of so many doubles",
-        lambda v, t: v.width not in widths_of(t),
+        "the target has no vectors of so many numbers of the scene's precision",
+        lambda v, t: v.width not in widths_of(t, find_scene(v.scene).precision),
     ),
     Rule(
         "lanes-need-ieee",
