@@ -103,13 +103,20 @@ class ExactContext:
             "tail_cap",
             "driven",
         )
+        added_up = self.results[:-1] if self.gains else ()
         return (
             *(f"start.{name}" for name in start),
-            *(f"at.{name}" for name in state),
+            *(f"at.{name}" for name in (*state, *added_up)),
             *(f"at.k.{name}" for name in self.impulse_names),
             "slot",
             "turns",
         )
+
+    @property
+    def results(self) -> tuple[str, ...]:
+        """What is left of the state where a collision ends: velocities follow from it."""
+        gains = tuple(f"gain_{name}" for name in self.impulse_names)
+        return (*(gains if self.gains else self.slip_names), "q")
 
     @property
     def aside_fields(self) -> tuple[str, ...]:
