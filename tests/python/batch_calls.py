@@ -35,9 +35,10 @@ def _pointer(array: np.ndarray) -> ctypes.Array | ctypes._Pointer:
 
 
 class BatchFunction:
-    """carom_probe_batch of a library."""
+    """carom_probe_batch of a library; `parameters` where a call names none."""
 
-    def __init__(self, library: Path) -> None:
+    def __init__(self, library: Path, parameters: tuple[float, ...] = PARAMETERS) -> None:
+        self.parameters = parameters
         self._function = ctypes.CDLL(str(library)).carom_probe_batch
         self._function.restype = ctypes.c_size_t
 
@@ -47,7 +48,7 @@ class BatchFunction:
         u_b: Array | None = None,
         offset: int = 0,
         in_place: bool = False,
-        parameters: tuple[float, ...] = PARAMETERS,
+        parameters: tuple[float, ...] | None = None,
     ) -> Outcome:
         """`inputs`: rows of 18. `offset`: doubles by which every array is off its alignment."""
         n = len(inputs)
@@ -59,7 +60,7 @@ class BatchFunction:
         status = np.full(n + margin, 77, dtype=np.uint8)
         each = None if u_b is None else np.ascontiguousarray(np.append(u_b, [guard] * margin))
         good = self._function(
-            (ctypes.c_double * 6)(*parameters),
+            (ctypes.c_double * 6)(*(parameters or self.parameters)),
             None if each is None else _pointer(each),
             ctypes.c_size_t(n),
             (_DOUBLES * 18)(*(_pointer(c) for c in given)),

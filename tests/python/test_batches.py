@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from batch_calls import BatchFunction, inputs_of
+from batch_calls import PARAMETERS, BatchFunction, inputs_of
 from exact_kernels import Worst, load_hard
 from kernels import bench_tool, build_all, expected_cases
 
@@ -37,6 +37,13 @@ EXACT = (
     ("x86-64-v4", 8, "ss43", 1e-3, {"interleave": "i1", "root": "est0", "fma": "fma"}),
     ("x86-64-v4", 8, "dop853", 1e-9, {"interleave": "i2", "root": "cubic", "fma": "fma"}),
 )
+# The same in scene `arcade`: lanes of float, twice as many.
+FLOATS = (
+    ("x86-64-v2", 4, "ss43", 1e-3, {"interleave": "i1", "root": "est1", "fma": "nofma"}),
+    ("x86-64-v3", 8, "dp54", 1e-4, {"interleave": "i2", "root": "inv", "fma": "fma"}),
+    ("x86-64-v4", 16, "ss43", 1e-3, {"interleave": "i1", "root": "est0", "fma": "fma"}),
+)
+EQUAL_TABLE = (*PARAMETERS[:3], PARAMETERS[2], *PARAMETERS[4:])  # as `arcade` has it
 
 KNOWN_OVER = {("pooltool", 1e-9): 1}  # kept hard cases beyond a budget: docs/accuracy.md
 
@@ -48,9 +55,9 @@ def _variant(target, width, model, steps, options):
     return make_variant(target, "any", model, stepper, width, **chosen)
 
 
-def _exact(target, width, model, tableau, budget, options):
+def _exact(target, width, model, tableau, budget, options, scene="any"):
     stepper = Stepper(tableau, budget=budget)
-    return make_variant(target, "any", model, stepper, width, **options)
+    return make_variant(target, scene, model, stepper, width, **options)
 
 
 def _built(variant):
@@ -62,24 +69,27 @@ def _built(variant):
 
 
 def _mathavan(kernel):
-    """The variant of a row of KERNELS or EXACT."""
+    """The variant of a row of KERNELS, EXACT or FLOATS."""
     if kernel in KERNELS:
         target, width, options = kernel
         return _variant(target, width, "mathavan2014", 40, options)
     target, width, *rest = kernel
-    return _exact(target, width, "mathavan2014", *rest)
+    scene = "arcade" if kernel in FLOATS else "any"
+    return _exact(target, width, "mathavan2014", *rest, scene=scene)
 
 
 @pytest.fixture(
     scope="module",
-    params=(*KERNELS, *EXACT),
+    params=(*KERNELS, *EXACT, *FLOATS),
     ids=lambda k: f"{k[0]}-x{k[1]}-{k[2] if len(k) > 3 else k[2]['finished']}",
 )
 def kernel(request):
     """A batch function, and how many lanes it has in flight."""
     variant = _mathavan(request.param)
     library = _built(variant)
-    return BatchFunction(library.path), variant.width * int(variant["interleave"][1:])
+    parameters = EQUAL_TABLE if request.param in FLOATS else PARAMETERS
+    lanes = variant.width * int(variant["interleave"][1:])
+    return BatchFunction(library.path, parameters), lanes
 
 
 @pytest.fixture(scope="module")
@@ -213,6 +223,59 @@ def test_exact_batches_hold_their_budget(model):
         print(f"{each.target} x{each.width} {each.stepper.goal}: {worst.error:.2g}")
         assert (got[:, STATUS] == single[:, STATUS]).all()
         assert worst.over <= KNOWN_OVER.get((model, each.stepper.budget), 0), worst.line()
+
+
+def _arcade_rows(rows):
+    """Cases with the same table friction for both balls."""
+    rows = rows.copy()
+    rows[:, 3] = rows[:, 2]
+    return rows
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_float_batches_hold_their_budget(model):
+    """As exact batches, for the scene in float; the statuses are those of single calls."""
+    tool = bench_tool()
+    drawn = tool.make_cases(78, 3000).rows
+    cases = _arcade_rows(np.vstack([load_reference().cases, load_hard()[1], drawn]))
+    want = tool.expect(cases, "exact", model)
+    chosen = [k for k in FLOATS if read_host().runs(find_target(k[0]))]
+    if model != "mathavan2014":
+        chosen = chosen[-1:]  # the rest differ by what all models share
+    variants = [_exact(t, w, model, *rest, scene="arcade") for t, w, *rest in chosen]
+    for each, built in zip(variants, build_all(variants), strict=True):
+        assert not isinstance(built, KernelError), built
+        got, single = (tool.run_kernel(built.path, cases, batch=b) for b in (True, False))
+        worst, alone = Worst(each.stepper.budget), Worst(each.stepper.budget)
+        worst.add(cases, ["all"] * len(cases), got, want)
+        alone.add(cases, ["all"] * len(cases), single, want)
+        errors = f"{worst.error:.3g}, single calls {alone.error:.3g}"
+        print(f"{each.target} x{each.width} {each.stepper.goal}: {errors}")
+        assert (got[:, STATUS] == single[:, STATUS]).all()
+        assert worst.passed, worst.line()
+
+
+def test_float_lanes_are_as_good_far_away_and_at_any_speed():
+    """Directions, speeds and statuses are in double: float would lose or overflow each of these."""
+    tool = bench_tool()
+    target, width, *rest = [k for k in FLOATS if read_host().runs(find_target(k[0]))][-1]
+    variant = _exact(target, width, "mathavan2014", *rest, scene="arcade")
+    library, budget = _built(variant), variant.stepper.budget
+    cases = _arcade_rows(tool.make_cases(79, 500).rows)
+    far, slow, fast, rising = (cases.copy() for _ in range(4))
+    far[:, [6, 7, 15, 16]] += 1e4
+    velocities = [*range(9, 15), *range(18, 24)]
+    slow[:, velocities] *= 1e-60
+    fast[:, velocities] *= 1e60
+    rising[:, 17] += 1e-8 * cases[:, 0]  # tilted, by less than float could tell
+    for name, rows in (("far", far), ("slow", slow), ("fast", fast), ("rising", rising)):
+        got, single = (tool.run_kernel(library.path, rows, batch=b) for b in (True, False))
+        worst = Worst(budget)
+        worst.add(rows, [name] * len(rows), got, tool.expect(rows, "exact", "mathavan2014"))
+        print(f"{name}: {worst.error:.3g}, statuses {np.unique(got[:, STATUS])}")
+        assert (got[:, STATUS] == single[:, STATUS]).all(), name
+        assert (got[:, STATUS] == (TILTED if name == "rising" else OK)).all(), name
+        assert worst.passed, worst.line()
 
 
 def test_a_batch_may_be_shared_over_threads():
