@@ -13,6 +13,7 @@ from generator.targets.host import read_host
 from generator.targets.target import Target, targets
 from generator.toolchain.compilers import compilers_for, emulator_for
 from generator.variants.axes import AXES
+from generator.variants.lanes import INSTRUCTION_SETS, Precision
 from generator.variants.presets import PRESETS
 from generator.variants.rules import RULES
 
@@ -107,4 +108,13 @@ def _variants() -> list[Table]:
     for preset in PRESETS:
         options = " ".join(f"{k}={v}" for k, v in preset.options.items())
         presets.add_row(preset.name, preset.text, options)
-    return [axes, rules, presets]
+    return [axes, _lanes(), rules, presets]
+
+
+def _lanes() -> Table:
+    table = _table("lanes of a vector, by the scene's precision", "set", "double", "float", "what")
+    precisions: tuple[Precision, ...] = ("double", "float")
+    for each in INSTRUCTION_SETS:
+        counts = (f"x{each.lanes(precision)}" for precision in precisions)
+        table.add_row(each.name, *counts, each.text)
+    return table

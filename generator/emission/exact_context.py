@@ -192,9 +192,16 @@ class ExactContext:
         return self.step.counts
 
 
-def _roots(variant: Variant, target: Target, real: str) -> tuple[Estimate, int | None, str]:
+def _roots(
+    variant: Variant, target: Target, real: str, lanes: bool
+) -> tuple[Estimate, int | None, str]:
     method = variant["root"]
-    of = float_estimate if real == "float" else estimate
+
+    def of(target: Target, newton: int) -> Estimate:
+        if real == "float":
+            return float_estimate(target, newton, lanes)
+        return estimate(target, newton)
+
     if method == "inv":
         return of(target, 0), None, ""
     rounding = 2.0**-23 if real == "float" else 2.0**-52
@@ -245,7 +252,7 @@ def _pressed_context(
     k_b, k_f = changes[s.S2Y].coeff(s.D_Z), changes[s.S2X].coeff(s.T2X)
     drive, recoil = changes[s.S2Y].coeff(s.DQ), -changes[s.S2X].coeff(s.D_X)
     k_z = float(changes[s.C_Z].coeff(s.D_Z))
-    found, newton, text = _roots(variant, target, real)
+    found, newton, text = _roots(variant, target, real, lanes)
     ends = CollisionEnds(terms, masses_of(scene.mass_ratio), at_zero(scene), fma, lanes)
     gains = real == "float"
     slips = SLIPS_BEFORE if table else ("c_x", "c_z", "v_n")

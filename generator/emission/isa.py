@@ -88,8 +88,10 @@ def estimate(target: Target, newton: int) -> Estimate:
     return Estimate("the root itself", ("return 1.0 / std::sqrt(n);",), newton, 2.0**-52)
 
 
-def float_estimate(target: Target, newton: int) -> Estimate:
-    """The best estimate in float arithmetic that a target has."""
+def float_estimate(target: Target, newton: int, lanes: bool = False) -> Estimate:
+    """The best estimate in float arithmetic that a target has; `lanes`: that its vectors have."""
+    if lanes and target.has("avx512vl"):
+        return Estimate("vrsqrt14ps (2^-14)", (), newton, 2.0**-14)
     if target.has("sse2"):
         line = "return _mm_cvtss_f32(_mm_rsqrt_ss(_mm_set_ss(n)));"
         return Estimate("rsqrtss (1.5 * 2^-12)", (line,), newton, 1.5 * 2.0**-12)
