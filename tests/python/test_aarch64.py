@@ -30,7 +30,12 @@ LANES = {"interleave": "i2", "lane_root": "est2"}
 EXACT, ARCADE = Stepper("dp54", budget=1e-6), Stepper("ss43", budget=1e-3)
 KERNELS = {  # scene, lanes, stepper, options
     "fixed steps": ("any", 1, EULER, {**FIXED, "rsqrt": "ahead", "fma": "fma"}),
-    "batches": ("any", 2, EULER, {**FIXED, "rsqrt": "inv", "fma": "fma", "finished": "aside", **LANES}),
+    "batches": (
+        "any",
+        2,
+        EULER,
+        {**FIXED, "rsqrt": "inv", "fma": "fma", "finished": "aside", **LANES},
+    ),
     "exact": ("any", 1, EXACT, {"root": "est2", "fma": "fma"}),
     "floats": ("arcade", 4, ARCADE, {"root": "est1", "fma": "fma", "interleave": "i1"}),
 }
