@@ -101,7 +101,7 @@ def default_lanes(single: Variant, target: Target) -> Variant:
     Where its scene has none: `single` itself, whose batches go one by one.
     """
     fixed, known = single.stepper.family == "euler", find_scene(single.scene)
-    widest = max(widths_of(target))
+    widest = max(widths_of(target, known.precision))
     if widest == 1 or (known.without_lanes if fixed else known.without_exact_lanes):
         return single
     finished, interleave = _LANES[0]
