@@ -102,7 +102,7 @@ def default_lanes(single: Variant, target: Target) -> Variant:
     """
     fixed, known = single.stepper.family == "euler", find_scene(single.scene)
     widest = max(widths_of(target, known.precision))
-    if widest == 1 or (known.without_lanes if fixed else known.without_exact_lanes):
+    if widest == 1 or (known.without_exact_lanes and not fixed):
         return single
     finished, interleave = _LANES[0]
     options = {"lane_root": _lane_roots(target)[-1], "finished": finished, "interleave": interleave}
@@ -113,8 +113,6 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
     """Legal variants whose batches go in lanes and whose single calls are as chosen."""
     if single.stepper.family != "euler":
         return _exact_batches(single, target, compilers)
-    if find_scene(single.scene).without_lanes:
-        return []
     widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
     roots = _lane_roots(target)
     ways = [(widest, root, *way) for root in roots for way in _LANES]

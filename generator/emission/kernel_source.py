@@ -129,6 +129,7 @@ class KernelContext:
     u_b_range: tuple[str, str] = ("0.0", "0.0")
     closed_counts: OperationCounts = field(default_factory=OperationCounts)
     contact_slip: tuple[str, ...] = ()  # c_x and c_z, where friction depends on them
+    lanes_slip: tuple[str, ...] = ()  # the same in lanes
     checks: tuple[str, ...] = ()  # conditions on the parameters
     motions: tuple[str, ...] = ()  # velocities that are zero in the scene, as ball1[6]
     level_pairs: tuple[tuple[str, str], ...] = ()  # velocities that are equal in the scene
@@ -366,7 +367,7 @@ def _lanes(variant: Variant, target: Target) -> LaneContext:
     """The vocabulary of a variant's batches. InputError where its scene has none."""
     scene = find_scene(variant.scene)
     exact = variant.stepper.family == "exact"
-    if reason := scene.without_exact_lanes if exact else scene.without_lanes:
+    if exact and (reason := scene.without_exact_lanes):
         raise InputError(f"--scene {scene.name}: {reason}; expected width 1")
     interleave, fma = int(variant["interleave"][1:]), variant["fma"] == "fma"
     return lane_context(target, variant.width, interleave, fma, scene.precision)
@@ -410,10 +411,8 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
     begin, end = isa.pragmas(target, contract=variant["fma"] == "autofma")
     vector_frame = variant.get("simd") == "prepost"
     terms = find_model(variant.model).terms
+    masses = masses_of(scene.mass_ratio)
     motions, level_pairs = _motions(scene, terms.lift)
-    ends = CollisionEnds(
-        terms, masses_of(scene.mass_ratio), at_zero(scene), variant["fma"] == "fma"
-    )
     name = source_name_of(variant)
     context = KernelContext(
         banner="",
@@ -447,7 +446,12 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
     if scene.equal_table:
         context.checks += ("p.u_s1 == p.u_s2",)
     if context.law:
-        context.contact_slip = ends.slips(("c_x", "c_z")).lines
+        one, lanes = (
+            CollisionEnds(terms, masses, at_zero(scene), variant["fma"] == "fma", wide)
+            for wide in (False, True)
+        )
+        context.contact_slip = one.slips(("c_x", "c_z")).lines
+        context.lanes_slip = lanes.slips(("c_x", "c_z")).lines
     fixed_step = variant.stepper.family == "euler"
     if fixed_step:
         counts = _fixed_step(context, variant, target)

@@ -173,20 +173,15 @@ class Scene(BaseModel):
         return self.equal_masses and self.precision == "double"
 
     @property
-    def without_lanes(self) -> str:
-        """Why kernels of the scene have one lane alone; empty where they may have more."""
-        return "" if self.friction_law == "given" else f"friction_law {self.friction_law}"
-
-    @property
     def without_exact_lanes(self) -> str:
-        """The same for exact kernels."""
+        """Why exact kernels of the scene have one lane alone; empty where they may have more."""
         if self.level:
             return "no vertical slip: its closed form has no lanes to fill"
         if not self.table_friction:
             return "no table friction"
         if not self.equal_masses:
             return "unequal masses"
-        return self.without_lanes
+        return ""
 
     @property
     def unrestricted(self) -> bool:

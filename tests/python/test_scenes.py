@@ -25,6 +25,7 @@ from generator.scenes.scene import Scene, parse_scene
 from generator.timing.bench_tool import ROOT
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.flags import compile_flags
+from generator.variants.lanes import widths_of
 from generator.variants.names import name_of
 from generator.variants.presets import find_preset
 from generator.variants.rules import broken_rule
@@ -52,6 +53,7 @@ OURS = {
     "stunrest": 'spin = "none"\nobject_ball = "rest"\nfriction_law = "alciatore"',
 }
 RANDOM = 2040
+WIDEST = max(widths_of(portable_target()))  # lanes
 
 
 @pytest.fixture(autouse=True)
@@ -88,7 +90,12 @@ class Built:
 @cache
 def built(scene: str, model: str = "", compiler: str = "gcc", budget: float | None = None) -> Built:
     """Built with warnings as errors."""
-    variant = variant_for(scene, model, compiler, budget)
+    return built_as(variant_for(scene, model, compiler, budget))
+
+
+@cache
+def built_as(variant: Variant) -> Built:
+    """The same for any variant."""
     source, cc = emit(variant), compiler_of(variant)
     flags = (*compile_flags(variant, cc, portable_target()), *WARNINGS)
     texts = {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
@@ -289,9 +296,10 @@ def test_lift_is_no_way_around_a_level_scene() -> None:
     assert (got[:, STATUS] == 0).all()
 
 
-def test_a_law_makes_u_b_itself() -> None:
+@pytest.mark.parametrize("width", [1, WIDEST])
+def test_a_law_makes_u_b_itself(width: int) -> None:
     """No u_b in carom_params; an array of them is refused."""
-    kernel = built("law")
+    kernel = built_as(variant_for("law").in_lanes(width))
     assert "double u_b" not in kernel.source.header
     assert "std::exp" in kernel.source.source
     library = ctypes.CDLL(str(kernel.library.path))
@@ -313,6 +321,25 @@ def test_a_law_makes_u_b_itself() -> None:
         assert (said[0], count) == (status, 1 - status // 2)
         if status == 2:
             assert [c[0] for c in made] == [*row[9:15], *row[18:24]]
+
+
+def test_batches_of_a_law_go_in_lanes() -> None:
+    """Exact ones and fixed steps: the law is asked lane by lane."""
+    rows, exact = inside("law", "mathavan2014")
+    alone = built_as(variant_for("law"))
+    lanes = built_as(alone.variant.in_lanes(WIDEST))
+    single = bench_tool().run_kernel(alone.library.path, rows)
+    got = bench_tool().run_kernel(lanes.library.path, rows, batch=True)
+    verdict = exact_verdict(rows, got, exact, 1e-6)
+    print(f"exact: {verdict.max_rel_error:.2g}, {verdict.reason}")
+    assert verdict.passed, verdict.reason
+    assert (got[:, STATUS] == single[:, STATUS]).all()
+    steps = built_as(fixed_step_variant("law", rsqrt="inv").in_lanes(WIDEST))
+    got = bench_tool().run_kernel(steps.library.path, rows, batch=True)
+    euler = bench_tool().expect(rows, "euler", "mathavan2014")
+    held = euler_verdict(rows, got, euler, exact, EULER.steps or 0)
+    print(f"fixed steps: {held.max_abs_error:.2g} m/s, {held.reason}")
+    assert held.passed, held.reason
 
 
 # -- what is ruled out is gone --
@@ -339,10 +366,10 @@ def test_what_a_scene_rules_out_is_gone(scene: str) -> None:
         assert piece not in (text if "//" in piece else code), piece
 
 
-def fixed_step_variant(scene: str, model: str = "mathavan2014", preset: str = "reduced") -> Variant:
+def fixed_step_variant(scene: str, model: str = "mathavan2014", **options: str) -> Variant:
     target = portable_target()
     fma = "fma" if target.has("fma") else "nofma"
-    options = {**find_preset(preset).options, "fma": fma}
+    options = {**find_preset("reduced").options, "fma": fma, **options}
     return make_variant(target.name, scene, model, EULER, **options)
 
 
