@@ -176,7 +176,7 @@ class Scene(BaseModel):
     def without_exact_lanes(self) -> str:
         """Why exact kernels of the scene have one lane alone; empty where they may have more."""
         if self.level:
-            return "no vertical slip: its closed form has no lanes to fill"
+            return ""  # a closed form, whatever else there is
         if not self.table_friction:
             return "no table friction"
         if not self.equal_masses:

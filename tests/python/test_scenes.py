@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy as sp
+from batch_calls import BatchFunction, Outcome, inputs_of
 from exact_kernels import portable_target
 from kernels import CACHE, EULER, WARNINGS, bench_tool, compiler_of
 
@@ -340,6 +341,30 @@ def test_batches_of_a_law_go_in_lanes() -> None:
     held = euler_verdict(rows, got, euler, exact, EULER.steps or 0)
     print(f"fixed steps: {held.max_abs_error:.2g} m/s, {held.reason}")
     assert held.passed, held.reason
+
+
+@pytest.mark.parametrize("scene", ["stun", "side", "heavystun", "stunrest"])
+def test_batches_of_a_closed_form_go_in_lanes(scene: str) -> None:
+    """As exact as single calls; each depends on itself alone, whatever n and its neighbours are."""
+    rows, exact = inside(scene, "mathavan2014")
+    lanes = built_as(variant_for(scene).in_lanes(WIDEST)).library.path
+    got = bench_tool().run_kernel(lanes, rows, batch=True)
+    single = bench_tool().run_kernel(lanes, rows)
+    verdict = exact_verdict(rows, got, exact, 1e-12)
+    print(f"{scene}, {WIDEST} lanes: {verdict.max_rel_error:.2g}, {verdict.reason}")
+    assert verdict.passed, verdict.reason
+    assert (got[:, STATUS] == single[:, STATUS]).all()
+    call, given = BatchFunction(lanes), inputs_of(rows[:100])
+    whole = call(given)
+    assert whole.good > 90
+    assert call(given[::-1]).same(Outcome(whole.velocities[::-1], whole.status[::-1], whole.good))
+    for n in range(2 * WIDEST + 2):
+        first = slice(0, n)
+        assert call(given[first]).same(Outcome(whole.velocities[first], whole.status[first], n)), n
+        spoilt = given.copy()
+        spoilt[n, 4] = np.nan
+        others = np.arange(100) != n
+        assert call(spoilt).same(whole, others) and call(spoilt).status[n] == 2
 
 
 # -- what is ruled out is gone --
