@@ -85,9 +85,9 @@ def in_default_lanes(single: Variant, target: Target) -> Variant:
 
     As it came where the target has no vectors, or the scene no lanes.
     """
-    widest = max(widths_of(target))
     scene, fixed_steps = find_scene(single.scene), single.stepper.family == "euler"
-    if widest == 1 or (scene.without_lanes if fixed_steps else scene.without_exact_lanes):
+    widest = max(widths_of(target, scene.precision))
+    if widest == 1 or (scene.without_exact_lanes and not fixed_steps):
         return single
     if fixed_steps:
         root = "cubic" if target.has_rsqrt_estimate else "inv"

@@ -19,7 +19,7 @@ class NumberForm:
     sign: str  # the sign bit
     exponent: str  # the bits of the exponent
     step: str  # the lowest of them
-    inverse: str  # the bits of 1 and of a power of two, less those of its inverse, plus those of 1
+    inverse: str  # twice the bits of 1: less those of a power of two, those of its inverse
     one: str  # the bits of 1, as a product of doubles
 
 
@@ -116,7 +116,7 @@ def lane_context(
     if target.has("neon"):
         error = 2.0**-8
     if target.has("simd128"):
-        error = 2.0**-52  # the root itself
+        error = 2.0**-52 if precision == "double" else 2.0**-23  # the root itself
     found = set_for(target, width, precision)
     frame = None
     if precision == "float" and width > 1:
