@@ -56,7 +56,8 @@ def wheel() -> Path:
             shutil.rmtree(scratch, ignore_errors=True)
             options = ("--no-build-isolation", "--no-deps", "--no-index", "-w", scratch)
             pip = (sys.executable, "-m", "pip", "wheel", ROOT, *options)
-            run([*pip, "-C", f"build-dir={BUILD / 'cmake'}"], timeout=1500.0)
+            build = f"--config-settings=build-dir={BUILD / 'cmake'}"  # pip 23.0 knows no -C
+            run([*pip, build], timeout=1500.0)
             for old in BUILD.glob("wheel-*"):
                 shutil.rmtree(old)
             scratch.rename(folder)
