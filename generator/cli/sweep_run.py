@@ -15,6 +15,7 @@ from rich.console import Console
 from generator.choice.folder import checked_selection, require_writable
 from generator.choice.job import STEPS
 from generator.cli.cluster import connected
+from generator.cli.interrupts import kept
 from generator.cli.session import ROOT, cache_folder, resolve_target, workbench
 from generator.cli.sweep_display import SweepDisplay, displayed, say_outcomes, say_verified
 from generator.errors import InputError
@@ -112,7 +113,8 @@ def _work(asked: Asked, plan: Plan, lab: Lab, store: ResultStore, started: float
     ledger = Ledger(store, record, asked.fresh)
     end = None if plan.minutes is None else started + 60 * plan.minutes
     console = Console()
-    with displayed(SweepDisplay(started, end, plan.trials), Console(stderr=True)) as observe:
+    display = SweepDisplay(started, end, plan.trials)
+    with displayed(display, Console(stderr=True)) as show, kept(show) as observe:
         if asked.verify_choice:
             todo = explorations(plan, lab, ledger, observe)
             with _rivals(asked) as rivals:

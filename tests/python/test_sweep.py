@@ -6,6 +6,7 @@ import itertools
 import math
 import os
 import random
+import signal
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -18,6 +19,7 @@ from sweep_lab import BATCH, EXACT, EXACT_BATCH, FIXED, ZEN3, FakeLab, landscape
 from sweep_records import trial as timed_trial
 
 import generator.variants.axes as axes_module
+from generator.cli.interrupts import kept
 from generator.errors import InputError, KernelCrash
 from generator.sweep.finals import NEGLIGIBLE, beaten_by, row_of
 from generator.sweep.ladder import KEPT, RUNGS, Entry, promoted
@@ -475,3 +477,21 @@ def test_the_page_names_every_field_of_the_records() -> None:
     missing = {field for field in fields if f"`{field}`" not in page}
     print(f"{len(fields)} fields, not on the page: {sorted(missing)}")
     assert not missing
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_an_interrupt_that_a_finaliser_lost_stops_the_sweep_at_its_next_step() -> None:
+    """SIGINT while `__del__` runs: Python drops its exception."""
+
+    class Last:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    told: list[str] = []
+    with kept(told.append) as observe:
+        observe("before")
+        Last()
+        with pytest.raises(KeyboardInterrupt):
+            observe("after")
+    assert told == ["before"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

@@ -1,0 +1,41 @@
+"""Ctrl-C that cannot be lost."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import current_thread, main_thread
+from types import FrameType
+from typing import TypeVar
+
+Told = TypeVar("Told")
+
+
+@contextmanager
+def kept(observe: Callable[[Told], None]) -> Iterator[Callable[[Told], None]]:
+    """`observe`, which first raises KeyboardInterrupt again where one came before and was lost.
+
+    Python drops an exception that a signal raises in a finaliser or in a callback of a library: a
+    sweep would then go on to its end. In another thread than the main one there is no Ctrl-C.
+    """
+    came = False
+
+    def note(_number: int, _frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
+        raise KeyboardInterrupt
+
+    def watched(told: Told) -> None:
+        if came:
+            raise KeyboardInterrupt
+        observe(told)
+
+    if current_thread() is not main_thread():
+        yield observe
+        return
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield watched
+    finally:
+        signal.signal(signal.SIGINT, before)
