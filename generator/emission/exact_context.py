@@ -41,6 +41,7 @@ class ExactContext:
     real: str
     lane_estimate: tuple[str, ...]
     root_newton: int | None
+    split_roots: bool  # may what a root is multiplied by go in before its last correction?
     root_cubic: bool
     coarse: bool  # is the estimate so coarse that a root and a division do better than refining it?
     root_text: str
@@ -144,14 +145,9 @@ class ExactContext:
         return min(self.k_f, 0.0)
 
     @property
-    def passage_share(self) -> float:
-        """Where table friction drives s away from zero, a passage must be met more closely."""
-        return self.control.top_passage if self.k_f < 0 else 1.0
-
-    @property
-    def depart_share(self) -> float:
-        """The same for the first step from rest."""
-        return self.control.top_depart if self.k_f < 0 else 1.0
+    def rest_share(self) -> float:
+        """Table slip that counts as zero, in tolerances / friction; it matters where it grows."""
+        return self.control.rest * (0.03 if self.k_f < 0 else 1)
 
     @property
     def landing_turns(self) -> int:
@@ -259,7 +255,8 @@ def _pressed_context(
     resting = ("s2x", "s2y") if scene.object_ball == "rest" else ()
     if scene.level:
         slips = ("c_x", "v_n")
-    lowering = ExactLowering(terms, plan.tableau, fma, masses, table, gains, lanes)
+    split_roots = table and not lanes and bool(newton or variant["root"] == "cubic")
+    lowering = ExactLowering(terms, plan.tableau, fma, masses, table, gains, lanes, split_roots)
     return ExactContext(
         tableau=plan.tableau,
         control=plan.control,
@@ -269,6 +266,7 @@ def _pressed_context(
         lane_estimate=found.scalar,
         root_newton=newton,
         root_cubic=variant["root"] == "cubic",
+        split_roots=split_roots,
         coarse=found.relative_error > 1e-3,
         root_text=text,
         tiny_square="1e-24" if gains else "1e-36",

@@ -58,7 +58,8 @@ class ExactLowering:
     increments t, c_z and d_z times sigma obey the same system, with the masses in each other's
     place. Without a table only the contact slip is carried. `gains`: slips are carried in float, so
     that impulses are added up beside them. `lanes`: as few operations as there can be; else the
-    chain from a stage to the next is kept short, at the cost of a few more.
+    chain from a stage to the next is kept short, at the cost of a few more. `split_roots`: what the
+    root of the table slip is multiplied by goes in before its last correction.
     """
 
     def __init__(
@@ -70,6 +71,7 @@ class ExactLowering:
         table: bool = True,
         gains: bool = False,
         lanes: bool = False,
+        split_roots: bool = False,
     ) -> None:
         self.terms = terms
         self.tableau = tableau
@@ -77,6 +79,7 @@ class ExactLowering:
         self.table = table
         self.gains = gains
         self.lanes = lanes
+        self.split_roots = split_roots and table
         self.slips = SLIPS if table else {name: SLIPS[name] for name in CONTACT}
         self.impulses = IMPULSES if table else {name: IMPULSES[name] for name in RUBBING}
         self.printer = ExpressionPrinter(place_fma, fma_name="fma", number_format="real({})")
@@ -108,7 +111,7 @@ class ExactLowering:
             total = total + added + OperationCounts(mul=7, div=1)
         if self.tableau.second:
             joint = OperationCounts(add=1, mul=2, div=1, sqrt=1) + added
-            total = total + joint * (4 if self.table else 2)
+            total = total + joint + added * self.table
         return total
 
     # -- rates --
@@ -129,13 +132,19 @@ class ExactLowering:
                 Assign("g", -_symbol("start.u_s") * p_z, KIND),
                 Assign("z_x", _symbol("g") * slips["s_x"], KIND),
                 Assign("z_y", _symbol("g") * slips["s_y"], KIND),
-                Assign("i_cs", i_c * _symbol("i_s"), KIND),
             ]
-        assigns += [Assign(f"r_d_{axis}", i_c * _symbol(f"p_{axis}"), KIND) for axis in "xz"]
-        if self.table:
+        rubbed = [Assign(f"r_d_{axis}", i_c * _symbol(f"p_{axis}"), KIND) for axis in "xz"]
+        if not self.table:
+            return self._part([*assigns, *rubbed])
+        if not self.split_roots:
             i_cs = _symbol("i_cs")
+            assigns += [Assign("i_cs", i_c * _symbol("i_s"), KIND), *rubbed]
             assigns += [Assign(f"r_t_{axis}", i_cs * _symbol(f"z_{axis}"), KIND) for axis in "xy"]
-        return self._part(assigns)
+            return self._part(assigns)
+        over = tuple(f"{KIND} l_{axis} = root_s.of(z_{axis});" for axis in "xy")
+        slid = [Assign(f"r_t_{axis}", i_c * _symbol(f"l_{axis}"), KIND) for axis in "xy"]
+        before, after = self._part(assigns), self._part([*rubbed, *slid])
+        return Part((*before.lines, *over, *after.lines), before.counts + after.counts)
 
     # -- what impulses change --
 
@@ -258,13 +267,12 @@ class ExactLowering:
         return tuple(self._stage(i, counts) for i in range(self.tableau.stages, total))
 
     def _error(self) -> Part:
-        """Difference to the embedded method, in impulses."""
+        """Differences to the embedded method in impulses, e_; to a coarser one, e3_."""
         if not self.tableau.second:
             return self._part(self._sums_of_rates(self.tableau.error, "e_"))
-        fine = self._part(self._sums_of_rates(self.tableau.error, "e5_"))
+        fine = self._part(self._sums_of_rates(self.tableau.error, "e_"))
         coarse = self._part(self._sums_of_rates(self.tableau.second_error, "e3_"))
-        joint = tuple(f"{KIND} e_{n} = joint_error(e5_{n}, e3_{n});" for n in self.impulses)
-        return Part((*fine.lines, *coarse.lines, *joint), fine.counts + coarse.counts)
+        return Part((*fine.lines, *coarse.lines), fine.counts + coarse.counts)
 
     def _work(self) -> Part:
         """Work of table friction over the step: it changes the square of v_n."""

@@ -36,7 +36,9 @@ _STEP_END = re.compile(
     r"|^ *at\.c_x = select\(keeps, |^ *at\.gain_c_x = select\(keeps, ",
     re.M,
 )
-_ROOT = re.compile(r"\b(?:rsqrt|rough_rsqrt)\(Real n\) \{")
+_ROOT = re.compile(
+    r"\b(?:rsqrt|rough_rsqrt|inverse_root)\(Real n\) \{|\bReal (?:of\(Real x\)|whole\(\)) const \{"
+)
 
 
 @dataclass(frozen=True)

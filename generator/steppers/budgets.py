@@ -28,8 +28,6 @@ class StepControl:
     rest: float = 0.02  # table slip that counts as zero, in tolerances / friction
     safe: float = 0.7  # share of the tolerance that errors are aimed at
     contact_reach: float = 0.7  # without a table: share of the contact slip that a step may remove
-    top_passage: float = 0.1  # share of `passage` where the table drives its slip away from zero
-    top_depart: float = 0.01  # share of `depart` there
 
 
 @dataclass(frozen=True)
@@ -43,32 +41,12 @@ class BudgetPlan:
 
 # Loosest budget first; a plan serves every budget down to its own `budget`.
 _PLANS: tuple[tuple[float, str, StepControl], ...] = (
-    (
-        1e-3,
-        "ss43",
-        StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0, top_passage=1e-4, top_depart=1e-4),
-    ),
-    (9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
-    (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0, top_passage=1e-4, top_depart=1e-4)),
-    (
-        1e-7,
-        "dp54",
-        StepControl(
-            0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002, top_passage=1e-5, top_depart=1e-6
-        ),
-    ),
-    (
-        1e-10,
-        "dop853",
-        StepControl(
-            1.0, 2.4, 4.5, 0.0125, 0.025, 40.0, 3.0, 0.002, top_passage=1e-9, top_depart=1e-7
-        ),
-    ),
-    (
-        TIGHTEST,
-        "dop853",
-        StepControl(0.15, 3.0, 4.0, 0.05, 0.01, 30.0, top_passage=1e-9, top_depart=1e-9),
-    ),
+    (1e-3, "ss43", StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0)),
+    (9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0)),
+    (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0)),
+    (1e-7, "dp54", StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002)),
+    (1e-10, "dop853", StepControl(1.0, 2.4, 4.5, 0.005, 0.025, 100.0, 3.0, 0.002)),
+    (TIGHTEST, "dop853", StepControl(0.15, 3.0, 4.0, 0.05, 0.01, 30.0)),
 )
 
 

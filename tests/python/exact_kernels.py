@@ -44,7 +44,7 @@ def roots_for(budget: float) -> tuple[str, ...]:
     """Choices of 1/sqrt that are accurate enough for a budget, the cheapest first."""
     if budget >= 1e-6:
         return ("est1", "est2", "inv")
-    return ("est2", "inv") if budget >= 1e-9 else ("inv",)
+    return ("cubic", "est2", "inv") if budget >= 1e-9 else ("inv",)
 
 
 def exact_variant(
