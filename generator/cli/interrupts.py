@@ -17,7 +17,8 @@ def kept(observe: Callable[[Told], None]) -> Iterator[Callable[[Told], None]]:
     """`observe`, which first raises KeyboardInterrupt again where one came before and was lost.
 
     Python drops an exception that a signal raises in a finaliser or in a callback of a library: a
-    sweep would then go on to its end. In another thread than the main one there is no Ctrl-C.
+    sweep would then go on to its end. There is no Ctrl-C in another thread than the main one, nor
+    where it is ignored, as for a job in the background.
     """
     came = False
 
@@ -31,7 +32,8 @@ def kept(observe: Callable[[Told], None]) -> Iterator[Callable[[Told], None]]:
             raise KeyboardInterrupt
         observe(told)
 
-    if current_thread() is not main_thread():
+    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    if ignored or current_thread() is not main_thread():
         yield observe
         return
     before = signal.signal(signal.SIGINT, note)

@@ -488,10 +488,17 @@ def test_an_interrupt_that_a_finaliser_lost_stops_the_sweep_at_its_next_step() -
             signal.raise_signal(signal.SIGINT)
 
     told: list[str] = []
-    with kept(told.append) as observe:
-        observe("before")
-        Last()
-        with pytest.raises(KeyboardInterrupt):
-            observe("after")
-    assert told == ["before"]
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
+    try:
+        with kept(told.append) as observe:
+            observe("before")
+            Last()
+            with pytest.raises(KeyboardInterrupt):
+                observe("after")
+        assert told == ["before"]
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        with kept(told.append) as observe:
+            assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
