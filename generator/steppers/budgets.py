@@ -46,7 +46,7 @@ _PLANS: tuple[tuple[float, str, StepControl], ...] = (
     (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0)),
     (1e-7, "dp54", StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002)),
     (1e-10, "dop853", StepControl(1.0, 2.4, 4.5, 0.005, 0.025, 100.0, 3.0, 0.002)),
-    (TIGHTEST, "dop853", StepControl(0.15, 3.0, 4.0, 0.05, 0.01, 30.0)),
+    (TIGHTEST, "dop853", StepControl(0.15, 3.0, 4.0, 0.002, 0.005, 100.0, 3.0, 0.02)),
 )
 
 
