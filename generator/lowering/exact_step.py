@@ -268,11 +268,10 @@ class ExactLowering:
 
     def _error(self) -> Part:
         """Differences to the embedded method in impulses, e_; to a coarser one, e3_."""
-        if not self.tableau.second:
-            return self._part(self._sums_of_rates(self.tableau.error, "e_"))
-        fine = self._part(self._sums_of_rates(self.tableau.error, "e_"))
-        coarse = self._part(self._sums_of_rates(self.tableau.second_error, "e3_"))
-        return Part((*fine.lines, *coarse.lines), fine.counts + coarse.counts)
+        sums = self._sums_of_rates(self.tableau.error, "e_")
+        if self.tableau.second:
+            sums += self._sums_of_rates(self.tableau.second_error, "e3_")
+        return self._part(sums)
 
     def _work(self) -> Part:
         """Work of table friction over the step: it changes the square of v_n."""

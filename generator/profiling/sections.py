@@ -22,7 +22,7 @@ _PRE = re.compile(
 _POST = re.compile(r"leave|copy_balls|step_level|put_down|store_some|origin_of|after_loops|finish")
 _IMPULSE = re.compile(r"rates_at|rates_at_rest|select_rates|tail_rates")
 _UPDATE = re.compile(
-    r"advance|finish_sticking|remaining_impulse|interpolant|pace_in|joint_error"
+    r"advance|finish_sticking|remaining_impulse|interpolant|joint_error"
     r"|pass_zero|plan_step|make_steps?|step_lanes|stick_lanes|work_through|move|run|halt|stop|push"
     r"|read|ahead|steps_ahead|go_on|after_chatter|collide_block|collide_all"
 )
