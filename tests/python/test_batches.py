@@ -230,6 +230,41 @@ def _arcade_rows(rows):
     return rows
 
 
+def _extremes(n):
+    """Slow shots along y with spins and a rise at up to 1e60 times the speed of approach."""
+    rng = np.random.default_rng(41)
+    rows = np.zeros((n, 24))
+    rows[:, :6] = (*PARAMETERS[:4], 0.05, 0.9)
+    rows[:, [8, 17]], rows[:, 16] = PARAMETERS[0], 2 * PARAMETERS[0]
+    motions = [9, 11, *range(12, 15), *range(21, 24)]
+    scales = 10.0 ** rng.uniform(-3, 60, (n, len(motions)))
+    usual = rng.random(scales.shape) < 0.6
+    scales[usual] = rng.uniform(0.1, 100, int(usual.sum()))
+    rows[:, motions] = scales * rng.choice([-1.0, 0.0, 1.0], scales.shape)
+    rows[:, 10] = 1.0
+    motions.append(10)
+    rows[:, motions] *= 10.0 ** rng.uniform(-250, 35, (n, 1))
+    return rows
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_exact_batches_take_what_calls_take_at_any_spin(model):
+    """Beside an approach of 1e-60 of the other speeds, too: squares leave the range of float."""
+    tool, rows = bench_tool(), _extremes(8000)
+    chosen = [k for k in EXACT if read_host().runs(find_target(k[0]))]
+    variants = [_exact(t, w, model, *rest) for t, w, *rest in chosen]
+    for each, built in zip(variants, build_all(variants), strict=True):
+        assert not isinstance(built, KernelError), built
+        got, single = (tool.run_kernel(built.path, rows, batch=b) for b in (True, False))
+        differ = int((got[:, STATUS] != single[:, STATUS]).sum())
+        refused = int((got[:, STATUS] != OK).sum())
+        print(
+            f"{each.target} x{each.width} {each.stepper.goal}: {refused} refused, {differ} differ"
+        )
+        assert refused == 0 and differ == 0
+        assert np.isfinite(got).all() and np.isfinite(single).all()
+
+
 @pytest.mark.parametrize("model", MODELS)
 def test_float_batches_hold_their_budget(model):
     """As exact batches, for the scene in float; the statuses are those of single calls."""

@@ -182,6 +182,21 @@ def scaled(rng: np.random.Generator, n: int, model: str, low: float = 0, high: f
     return rows, statuses(n, BAD_INPUT if low >= 100 else OK)
 
 
+def spun(rng: np.random.Generator, n: int, model: str) -> tuple[Array, Array]:
+    """Slow shots along y, a ball pressed, that spin about y: table slip beyond all measure."""
+    rows = np.zeros((n, 24))
+    rows[:, :6] = plain(rng, n)[:, :6]
+    rows[:, R2[1]] = 2 * R
+    rows[:, [R1[2], R2[2]]] = R
+    approach = 10.0 ** rng.uniform(-290, -40, n)
+    rows[:, V1[1]] = approach
+    rows[:, V1[0]] = approach * rng.choice([-1.0, 0.0, 0.3], n)
+    rows[:, W1[0]] = approach / R * 10.0 ** rng.uniform(-3, 3, n) * rng.choice([-1.0, 1.0], n)
+    spins = 10.0 ** rng.uniform(30, 98, (n, 2))
+    rows[:, [W1[1], W2[1]]] = spins * rng.choice([-1.0, 1.0], (n, 2))
+    return rows, statuses(n, OK)
+
+
 def out_of_range(rng: np.random.Generator, n: int, model: str) -> tuple[Array, Array]:
     rows, which = plain(rng, n), np.arange(n) % 6
     low = np.where(which < 2, rng.choice([0.0, 1e-300], n), -(10.0 ** rng.uniform(-300, 2, n)))
@@ -210,6 +225,7 @@ KINDS: dict[str, Kind] = {
     "speeds to 1e99": partial(scaled, low=2, high=99),
     "speeds above 1e100": partial(scaled, low=100.01, high=300),
     "parameters out of range": out_of_range,
+    "spun about the line of centres": spun,
 }
 
 
@@ -275,6 +291,7 @@ def check(kernel: Kernel, kind: str, rows: Array, want: Array, got: Array) -> No
 COLLIDE = {  # kinds that run a thousand fixed steps, of denormals even 200 us: a tenth of them
     *("v_n tiny", "denormal speeds", "denormal parameters", "hardly tilted", "overlapping", "gap"),
     *("speeds 1e-300 to 1e-6", "speeds to 1e99", "tilted", "vertical"),
+    "spun about the line of centres",
 }
 
 
