@@ -92,6 +92,8 @@ def exact_candidates(
 
 def _lane_roots(target: Target) -> tuple[str, ...]:
     """Roots in lanes of fixed steps that are worth trying, the most accurate last."""
+    if not target.has_rsqrt_estimate:
+        return ("inv",)
     return ("est2",) if target.has("neon") else ("est1", "cubic")
 
 

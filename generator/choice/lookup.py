@@ -9,11 +9,9 @@ from pathlib import Path
 from generator.choice.candidates import default_lanes
 from generator.choice.selection import Selection, read_selection
 from generator.errors import KernelError
-from generator.scenes.scene import find_scene
 from generator.steppers.budgets import tableaus_for
 from generator.targets.host import Host
 from generator.targets.target import Target
-from generator.variants.lanes import widths_of
 from generator.variants.names import variant_of
 from generator.variants.presets import find_preset
 from generator.variants.variant import Stepper, Variant, make_variant
@@ -78,21 +76,6 @@ def default_kernel(target: Target, scene: str, model: str, goal: Goal) -> Varian
     assert goal.budget is not None
     stepper = Stepper(tableaus_for(goal.budget)[0], budget=goal.budget)
     return make_variant(target.name, scene, model, stepper, fma=fma, root="inv")
-
-
-def in_default_lanes(single: Variant, target: Target) -> Variant:
-    """The same kernel with batches in the target's widest lanes, before anything was timed.
-
-    As it came where the target has no vectors, or the scene no lanes.
-    """
-    scene, fixed_steps = find_scene(single.scene), single.stepper.family == "euler"
-    widest = max(widths_of(target, scene.precision))
-    if widest == 1 or (scene.without_exact_lanes and not fixed_steps):
-        return single
-    if fixed_steps:
-        root = "cubic" if target.has_rsqrt_estimate else "inv"
-        return single.in_lanes(widest, lane_root=root, finished="aside", interleave="i3")
-    return single.in_lanes(widest)
 
 
 def with_compiler_found(variant: Variant, compilers: dict[str, object]) -> Variant:

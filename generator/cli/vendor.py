@@ -11,7 +11,7 @@ from generator.errors import InputError
 
 if TYPE_CHECKING:  # the rest is imported when the command runs: --help shall not wait for it
     from generator.choice.selection import Selected
-    from generator.vendoring.kernels import Places
+    from generator.vendoring.kernels import Places, TargetKernels
     from generator.vendoring.request import VendorRequest
 
 
@@ -90,20 +90,27 @@ def _places() -> Places:
     return Places(ROOT / "generated", cache_folder() / "selections")
 
 
-def _write(request: VendorRequest, out: Path, force: bool, seconds: float) -> int:
+def _kernels(request: VendorRequest, target: str, seconds: float) -> TargetKernels:
+    """The stored choice, else one made now, by the compilers of the target's architecture."""
     from generator.cli.session import workbench
     from generator.targets.host import read_host
+    from generator.targets.target import find_target
+    from generator.vendoring.kernels import kernels_for, stored_kernels
+
+    if (stored := stored_kernels(_places(), request, target)) is not None:
+        return stored
+    with workbench(target=find_target(target)) as bench:
+        return kernels_for(_places(), request, target, bench, read_host(), seconds)
+
+
+def _write(request: VendorRequest, out: Path, force: bool, seconds: float) -> int:
+    from generator.cli.session import workbench
     from generator.vendoring.folder import require_replaceable, staged, write_files
     from generator.vendoring.job import all_files
-    from generator.vendoring.kernels import kernels_for
 
     require_replaceable(out, edited_too=force)
+    chosen = {name: _kernels(request, name, seconds) for name in request.targets}
     with workbench() as bench:
-        host = read_host()
-        chosen = {
-            name: kernels_for(_places(), request, name, bench, host, seconds)
-            for name in request.targets
-        }
         files = all_files(request, chosen, bench.tool)
     with staged(out) as folder:
         write_files(folder, files)

@@ -12,7 +12,8 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.choice.lookup import Goal, default_kernel, in_default_lanes
+from generator.choice.candidates import default_lanes
+from generator.choice.lookup import Goal, default_kernel
 from generator.emission.client_file import client_file
 from generator.emission.files import write_atomically
 from generator.emission.isa import compiled_features
@@ -74,7 +75,7 @@ def _single(target: Target, model: str, goal: Goal) -> Variant:
 
 
 def _variant(target: Target, model: str, goal: Goal) -> Variant:
-    return in_default_lanes(_single(target, model, goal), target)
+    return default_lanes(_single(target, model, goal), target)
 
 
 def rows(targets: tuple[str, ...] = TARGETS) -> tuple[Row, ...]:

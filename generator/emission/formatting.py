@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from functools import lru_cache
 from pathlib import Path
 
 from generator.errors import KernelError
@@ -11,6 +12,7 @@ from generator.errors import KernelError
 STYLE = "{BasedOnStyle: Google, ColumnLimit: 100, SortIncludes: Never, ReflowComments: false}"
 
 
+@lru_cache(maxsize=64)  # a folder's kernels share one header
 def format_source(text: str, filename: str) -> str:
     """The text as clang-format lays it out, blank lines at most one."""
     tool = Path(sys.executable).with_name("clang-format")

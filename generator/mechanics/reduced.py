@@ -2,12 +2,16 @@
 
 Every slip is linear in the velocities and every velocity change is linear in the impulses, so the
 slips obey a linear system with constant coefficients; the impulse sums follow from the changes of
-the slips, and the velocities from the sums. SymPy does both steps with exact rationals.
+the slips, and the velocities from the sums. SymPy does both steps with exact rationals,
+once for each model: many kernels are made from the same few systems.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
 
 import sympy as sp
 
@@ -23,12 +27,13 @@ class ReducedSystem:
 
     terms: ContactTerms
     pressed: int
-    changes: dict[sp.Symbol, sp.Expr]
+    changes: Mapping[sp.Symbol, sp.Expr]
 
     def coefficient(self, state: sp.Symbol, impulse: sp.Symbol) -> sp.Expr:
         return sp.expand(self.changes[state]).coeff(impulse)
 
 
+@cache
 def reduced_system(terms: ContactTerms, pressed: int, equal: bool = True) -> ReducedSystem:
     """Derive the reduced system for the case that ball `pressed` (1 or 2) touches the table."""
     deltas = velocity_changes()
@@ -40,20 +45,21 @@ def reduced_system(terms: ContactTerms, pressed: int, equal: bool = True) -> Red
         change = sum((sp.diff(form, v) * dv for v, dv in deltas.items()), sp.Integer(0))
         change = sp.expand(change.subs(nothing))
         changes[name] = change.subs(EQUAL_MASSES) if equal else change
-    return ReducedSystem(terms, pressed, changes)
+    return ReducedSystem(terms, pressed, MappingProxyType(changes))
 
 
 @dataclass(frozen=True)
 class Recovery:
     """Impulse sums as linear forms in the changes of the pressed ball's slips."""
 
-    sums: dict[sp.Symbol, sp.Expr]  # q_sum, sum_dx, sum_dz, sum_tx, sum_ty of the pressed ball
+    sums: Mapping[sp.Symbol, sp.Expr]  # q_sum, sum_dx, sum_dz, sum_tx, sum_ty of the pressed ball
     deltas: tuple[sp.Symbol, ...]  # dc_x, dc_z, ds_x, ds_y, dv_n
 
 
 DELTAS = sp.symbols("dc_x dc_z ds_x ds_y dv_n", real=True)
 
 
+@cache
 def recovery(terms: ContactTerms, pressed: int, equal: bool = True) -> Recovery:
     """Solve the linear system for the five impulse sums of a collision with one pressed ball."""
     system = reduced_system(terms, pressed, equal)
@@ -64,13 +70,14 @@ def recovery(terms: ContactTerms, pressed: int, equal: bool = True) -> Recovery:
     matrix = sp.Matrix([[row.coeff(unknown) for unknown in unknowns] for row in rows])
     solution = matrix.LUsolve(sp.Matrix(DELTAS))
     forms = [sp.expand(sp.cancel(value)) for value in solution]
-    return Recovery(dict(zip(unknowns, forms, strict=True)), DELTAS)
+    return Recovery(MappingProxyType(dict(zip(unknowns, forms, strict=True))), DELTAS)
 
 
 DELTAS_BOTH = sp.symbols("dc_x dc_z ds1x ds1y ds2x ds2y dv_n", real=True)
 
 
-def recovery_both(terms: ContactTerms) -> dict[sp.Symbol, sp.Expr]:
+@cache
+def recovery_both(terms: ContactTerms) -> Mapping[sp.Symbol, sp.Expr]:
     """Impulse sums where either ball was pressed in turn: seven sums from seven slips."""
     one, two = (reduced_system(terms, pressed).changes for pressed in (1, 2))
     unknowns = (s.DQ, s.D_X, s.D_Z, s.T1X, s.T1Y, s.T2X, s.T2Y)
@@ -78,7 +85,8 @@ def recovery_both(terms: ContactTerms) -> dict[sp.Symbol, sp.Expr]:
     rows = [merge_pressed(one[name], two[name]) for name in names]
     matrix = sp.Matrix([[row.coeff(unknown) for unknown in unknowns] for row in rows])
     solution = matrix.LUsolve(sp.Matrix(DELTAS_BOTH))
-    return {u: sp.expand(sp.cancel(v)) for u, v in zip(unknowns, solution, strict=True)}
+    sums = {u: sp.expand(sp.cancel(v)) for u, v in zip(unknowns, solution, strict=True)}
+    return MappingProxyType(sums)
 
 
 def merge_pressed(one: sp.Expr, two: sp.Expr) -> sp.Expr:

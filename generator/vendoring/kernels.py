@@ -10,9 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from generator.choice.batches import batch_job
 from generator.choice.choose import selected
 from generator.choice.folder import checked_selection, file_of
-from generator.choice.job import exact_job, fixed_step_job
+from generator.choice.job import STEPS, exact_job, fixed_step_job, verify
 from generator.choice.lookup import Goal
 from generator.choice.selection import FILE, Selected, Selection, batch_rank
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Workbench
@@ -88,22 +89,28 @@ def kernels_for(
     if stored is not None:
         return stored
     row = find_target(target)
-    if request.goal.steps is not None:
-        entry = _with_steps(places, request, row, bench, host, seconds)
-    else:
-        assert request.goal.budget is not None
-        entry = _chosen(request, row, bench, host, seconds)
-    _store(places, request, target, entry)
-    return TargetKernels(entry)
+    made = (_chosen if request.goal.steps is None else _with_steps)(
+        places, request, row, bench, host, seconds
+    )
+    _store(places, request, target, made)
+    return made
 
 
 def _chosen(
-    request: VendorRequest, target: Target, bench: Workbench, host: Host, seconds: float
-) -> Selected:
+    places: Places,
+    request: VendorRequest,
+    target: Target,
+    bench: Workbench,
+    host: Host,
+    seconds: float,
+) -> TargetKernels:
+    """By the main job's rules, fixed steps at N = 1000: for single calls, then for batches."""
     budget = request.goal.budget
     job = fixed_step_job if budget is None else exact_job(budget)
     _, first, choice = job(bench, target, host, request.scene, request.model, seconds)
-    return selected(choice, first)
+    lanes = batch_job(bench, target, host, request.scene, first, choice.chosen, seconds)
+    batch = None if lanes is None else selected(lanes[2], lanes[1])
+    return TargetKernels(selected(choice, first), batch)
 
 
 def _with_steps(
@@ -113,17 +120,29 @@ def _with_steps(
     bench: Workbench,
     host: Host,
     seconds: float,
-) -> Selected:
+) -> TargetKernels:
     """The loop that is best at N = 1000 is best at any N; only its error is another."""
-    steps = request.goal.steps
-    found = _find(places, request, target.name, Goal(steps=1000))
-    base = next((entry for entry in found if entry.width == 1), None)
+    thousand = replace(request, goal=Goal(steps=STEPS))
+    base = stored_kernels(places, thousand, target.name)
     if base is None:
-        base = _chosen(request, target, bench, host, seconds)
+        base = _chosen(places, request, target, bench, host, seconds)
         _store(places, request, target.name, base)
-    if base.steps == steps:
+    if request.goal == thousand.goal:
         return base
-    variant = replace(variant_of(base.kernel), stepper=Stepper("euler", steps=steps))
+    single, batch = (
+        entry and _stepped(entry, request, target, bench, host)
+        for entry in (base.single, base.batch)
+    )
+    assert single is not None
+    return TargetKernels(single, batch)
+
+
+def _stepped(
+    entry: Selected, request: VendorRequest, target: Target, bench: Workbench, host: Host
+) -> Selected:
+    """The entry with the request's number of steps, and the error that it has then."""
+    steps = request.goal.steps
+    variant = replace(variant_of(entry.kernel), stepper=Stepper("euler", steps=steps))
     update = {
         "kernel": name_of(variant),
         "file": file_of(name_of(variant)),
@@ -131,28 +150,29 @@ def _with_steps(
         "ties": [],
         "max_rel_error": _error_of(variant, request, target, bench, host),
     }
-    return base.model_copy(update=update)
+    return entry.model_copy(update=update)
 
 
 def _error_of(
     variant: Variant, request: VendorRequest, target: Target, bench: Workbench, host: Host
 ) -> float | None:
     """The largest error that verification finds; None where the kernel cannot run here."""
-    if not host.runs(target):
+    if not host.runs(target) and bench.emulated is None:
         return None
     candidate = bench.prepare([variant], target)[0]
     bench.compile([candidate])
     steps = variant.stepper.steps
     expected = bench.expected(request.scene, request.model, steps, VERIFY_SEED, VERIFY_RANDOM)
-    bench.verify([candidate], expected)
+    verify(bench, [candidate], expected)
     if candidate.rejected or candidate.verdict is None:
         raise KernelError(f"{candidate.name}: {candidate.rejected}")
     return float(f"{candidate.verdict.max_rel_error:.3g}")
 
 
-def _store(places: Places, request: VendorRequest, target: str, entry: Selected) -> None:
+def _store(places: Places, request: VendorRequest, target: str, made: TargetKernels) -> None:
     folder = places.cache / target / request.scene
     selection = checked_selection(folder) or Selection(
         target=target, resolved=target, scene=request.scene, kernels=[]
     )
-    write_atomically(folder / FILE, selection.with_entries([entry]).text())
+    entries = [entry for entry in (made.single, made.batch) if entry is not None]
+    write_atomically(folder / FILE, selection.with_entries(entries).text())

@@ -8,18 +8,26 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 from kernels import ROOT, compile_alone, random_variants, variant
 
 from generator.choice.folder import differences, folders
+from generator.choice.selection import read_selection
 from generator.emission.kernel_source import emit
+from generator.scenes.scene import find_scene
+from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
+from generator.variants.lanes import widths_of
 from generator.variants.names import name_of, source_name_of
 from generator.variants.presets import find_preset
+from generator.verification.reference import MODELS
 
 COMPILERS = [c.path for c in find_compilers()]
 GENERATED = sorted((ROOT / "generated").glob("[!n]*/*/*.cpp"))
+COMMITTED = [f for f in folders(ROOT / "generated") if f.parent.name != "native"]
+TARGETS = sorted({folder.parent.name for folder in COMMITTED})
 FMA = re.compile(r"\bvfn?m(add|sub)")
 C_MAIN = Path(__file__).parents[1] / "c" / "one_collision.c"
 EMIT_ALL = """
@@ -72,16 +80,78 @@ def test_fma_is_where_the_axis_says(compiler: str, options: dict[str, str], tmp_
 def test_generated_folder_is_complete() -> None:
     made = {path.relative_to(ROOT / "generated").parts[:2] for path in GENERATED}
     wanted = ("zen3", "x86-64-v2", "x86-64-v3", "x86-64-v4")
+    assert set(wanted) <= set(TARGETS)
     assert {(target, scene) for target in wanted for scene in ("pool", "any")} <= made
 
 
+@pytest.mark.parametrize("folder", COMMITTED, ids=lambda f: f"{f.parent.name}-{f.name}")
+def test_generated_kernels_have_lanes_for_their_batches(folder: Path) -> None:
+    """Every model's fixed steps; 1e-6 in scene any, elsewhere with the scene's own model."""
+    selection = read_selection(folder)
+    assert selection is not None
+    widest = max(widths_of(find_target(selection.resolved)))
+    exact = MODELS if selection.scene == "any" else (find_scene(selection.scene).model,)
+    goals = [(model, {"steps": 1000}) for model in MODELS]
+    goals += [(model, {"budget": 1e-6}) for model in exact]
+    for model, goal in goals:
+        single, batch = selection.find(model, **goal), selection.find_batch(model, **goal)
+        assert single is not None and batch is not None, (model, goal)
+        print(f"{model}, {goal}: {batch.kernel}")
+        assert 1 < batch.width <= widest and single.width == 1
+        assert single.ratio_to_baseline is not None and batch.ratio_to_baseline is not None
+
+
+def compiled_alone(path: Path, compiler: str, folder: Path, level: str) -> None:
+    """As a vendoring user does: no -m flag, warnings are errors."""
+    done = compile_alone(path, compiler, folder, level, "-Wpedantic")
+    assert done.returncode == 0, done.stderr
+
+
+class Kind(NamedTuple):
+    """Kernels whose texts differ in constants and terms alone."""
+
+    fixed_steps: bool
+    lanes: bool
+
+
+def committed(target: str) -> dict[Kind, list[Path]]:
+    """Committed files of a target by kind, in the order of kinds."""
+    found: dict[Kind, list[Path]] = {}
+    for folder in COMMITTED:
+        selection = read_selection(folder)
+        assert selection is not None
+        for entry in selection.kernels if folder.parent.name == target else ():
+            kind = Kind(entry.budget is None, entry.width > 1)
+            found.setdefault(kind, []).append(folder / entry.file)
+    return dict(sorted(found.items()))
+
+
+@pytest.mark.parametrize("target", TARGETS)
 @pytest.mark.parametrize("compiler", COMPILERS, ids=os.path.basename)
-def test_what_is_generated_compiles_alone(compiler: str, tmp_path: Path) -> None:
-    """As a vendoring user does: no -m flag, warnings are errors, not optimised and optimised."""
+def test_what_is_generated_compiles_alone(compiler: str, target: str, tmp_path: Path) -> None:
+    """Compilers take turns over the files of each kind; `-m long` takes all files with all.
+
+    Every file goes through one of them, optimised, though of those in lanes only one a compiler,
+    kind and target: the others are read. One of each kind is not optimised.
+    """
+    place, turn = COMPILERS.index(compiler), TARGETS.index(target)
+    for index, (kind, paths) in enumerate(committed(target).items()):
+        own = paths[place :: len(COMPILERS)]
+        assert own, "fewer files of a kind than compilers"
+        first = own[turn % len(own)]  # of scene any and of pool in turn
+        for path in own:
+            read_only = kind.lanes and path != first
+            compiled_alone(path, compiler, tmp_path, "-fsyntax-only" if read_only else "-O2")
+        if index == (turn + place) % len(TARGETS):
+            compiled_alone(first, compiler, tmp_path, "-O0")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("level", ["-O0", "-O2"])
+@pytest.mark.parametrize("compiler", COMPILERS, ids=os.path.basename)
+def test_all_that_is_generated_compiles_alone(compiler: str, level: str, tmp_path: Path) -> None:
     for path in GENERATED:
-        for level in ("-O0", "-O2"):
-            done = compile_alone(path, compiler, tmp_path, level, "-Wpedantic")
-            assert done.returncode == 0, done.stderr
+        compiled_alone(path, compiler, tmp_path, level)
 
 
 @pytest.mark.parametrize("compiler", COMPILERS, ids=os.path.basename)
@@ -143,7 +213,6 @@ def test_operation_counts_are_in_the_text() -> None:
     assert source.counts.flops > 40
 
 
-def test_committed_folders_are_fresh() -> None:
-    for folder in folders(ROOT / "generated"):
-        if folder.parent.name != "native":
-            assert differences(folder) == []
+@pytest.mark.parametrize("folder", COMMITTED, ids=lambda f: f"{f.parent.name}-{f.name}")
+def test_committed_folders_are_fresh(folder: Path) -> None:
+    assert differences(folder) == []

@@ -68,9 +68,13 @@ def program(source: Path, objects: list[Path], folder: Path, into: Path, *flags:
 
 @pytest.mark.parametrize("pair", PAIRS, ids=[cxx for cxx, _ in PAIRS])
 @pytest.mark.parametrize("level", ["-O0", "-O2"])
-def test_builds_alone_as_c_and_cpp_and_passes_its_own_test(pair, level, folder, tmp_path) -> None:
-    """No flag but the warnings; linked as C, so nothing of C++'s library is needed either."""
+def test_builds_alone_as_c_and_cpp_and_passes_its_own_test(pair, level, tmp_path) -> None:
+    """No flag but the warnings; linked as C, so nothing of C++'s library is needed either.
+
+    As `gen vendor` makes it: for each CPU a unit for single calls and one in lanes.
+    """
     cxx, cc = pair
+    folder = vendored(tmp_path / "alone", request_for(TARGETS), lanes=True)
     objects = compiled(folder, tmp_path, cxx, level)
     for language, compiler, standard in (("c", cc, "c99"), ("c++", cxx, "c++17")):
         test = tmp_path / f"selftest-{standard}"
@@ -103,16 +107,14 @@ def test_batches_go_through_the_kernel_that_was_chosen_for_them(targets, tmp_pat
 @pytest.mark.skipif(shutil.which("nm") is None, reason="no nm")
 @pytest.mark.parametrize("pair", PAIRS, ids=[cxx for cxx, _ in PAIRS])
 @pytest.mark.parametrize(
-    ("goal", "lanes"), [(EXACT, False), (Goal(steps=1000), True)], ids=["exact", "steps in lanes"]
+    "goal", [EXACT, Goal(steps=1000)], ids=["exact in lanes", "steps in lanes"]
 )
-def test_units_share_no_code_hold_no_state_and_call_nothing_but_libm(
-    pair, goal, lanes, tmp_path
-) -> None:
+def test_units_share_no_code_hold_no_state_and_call_nothing_but_libm(pair, goal, tmp_path) -> None:
     """Not optimised, where every inline function would be a weak symbol that linkers may merge.
 
     What is called from outside shows that there are no exceptions, no allocation and no I/O.
     """
-    made = vendored(tmp_path / "made", request_for(TARGETS, goal), lanes)
+    made = vendored(tmp_path / "made", request_for(TARGETS, goal), lanes=True)
     state, called = [], set()
     for path in compiled(made, tmp_path / "objects", pair[0], "-O0"):
         for line in ran(["nm", "-C", path]).stdout.splitlines():

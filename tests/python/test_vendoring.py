@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from kernels import ROOT, bench_tool
+from kernels import CACHE, ROOT, bench_tool
 from vendored import EXACT, files_for, record_for, request_for, vendored
 
 import generator.vendoring.folder as folder_room
@@ -18,18 +18,20 @@ import generator.vendoring.package as package
 from generator.choice.lookup import Goal
 from generator.choice.selection import FILE as SELECTION
 from generator.choice.selection import Selection
+from generator.choice.workbench import Workbench
 from generator.cli.main import gen
 from generator.emission.files import write_atomically
 from generator.emission.isa import compiled_features
 from generator.errors import InputError
 from generator.scenes.scene import find_scene
-from generator.targets.host import KNOWN_CPUS
+from generator.targets.host import KNOWN_CPUS, read_host
 from generator.targets.target import targets
+from generator.toolchain.compilers import find_compilers
 from generator.vendoring.dispatch import CPUID_BITS, dispatch_context, preferred_order
 from generator.vendoring.folder import require_replaceable, staged, write_files
 from generator.vendoring.golden import golden_rows
 from generator.vendoring.job import compare
-from generator.vendoring.kernels import Places, TargetKernels, stored_kernels
+from generator.vendoring.kernels import Places, TargetKernels, kernels_for, stored_kernels
 from generator.vendoring.manifest import FILE, read_manifest
 from generator.verification.errors import errors_of
 from generator.verification.reference import load_reference
@@ -107,20 +109,27 @@ def test_places_that_would_lose_something_are_refused(tmp_path) -> None:
 # ---- what is written ---------------------------------------------------------------------------
 
 
-def test_the_command_writes_from_stored_choices_the_same_bytes_each_time(tmp_path) -> None:
-    """generated/ holds the choice of fixed steps, so nothing is timed."""
+@pytest.mark.parametrize(
+    ("scene", "goal"), [("pool", ("--steps", 1000)), ("any", ("--max-error", 1e-6))]
+)
+def test_the_command_writes_from_stored_choices_the_same_bytes_each_time(
+    scene, goal, tmp_path
+) -> None:
+    """generated/ holds choices of fixed steps, and of 1e-6 for scene any: nothing is timed."""
     texts = []
     for name in ("one", "two", "two"):  # the last replaces a folder that is as it was
         out = tmp_path / name
-        result = call("--target", TARGETS, "--scene", "pool", "--steps", 1000, "--out", out)
+        result = call("--target", TARGETS, "--scene", scene, *goal, "--out", out)
         assert result.exit_code == 0, result.stderr
-        assert "timing" not in result.stderr
+        assert "timing" not in result.stderr and "verifying" not in result.stderr
         texts.append({p.name: p.read_bytes() for p in out.iterdir()})
     assert texts[0] == texts[1] == texts[2]
+    assert {"carom_zen3_batch.cpp", "carom_x86_64_v2_batch.cpp"} <= set(texts[0])
     assert sorted(p.name for p in tmp_path.iterdir()) == ["one", "two"]
-    chosen = json.loads((ROOT / "generated" / "zen3" / "pool" / SELECTION).read_text())["kernels"]
-    manifest = read_manifest(tmp_path / "one")
-    assert manifest.kernels[0].record.model_dump(mode="json") in chosen
+    chosen = json.loads((ROOT / "generated" / "zen3" / scene / SELECTION).read_text())["kernels"]
+    first = read_manifest(tmp_path / "one").kernels[0]
+    assert first.batch is not None
+    assert all(made.model_dump(mode="json") in chosen for made in (first.record, first.batch))
     assert call("--verify", tmp_path / "one").exit_code == 0
 
 
@@ -292,6 +301,23 @@ def test_a_stored_choice_for_batches_is_vendored_beside_that_for_single_calls(tm
     found = compare(made, places, bench_tool())
     print(found.outdated)
     assert wide[1].kernel in found.outdated[0]
+
+
+def test_other_steps_take_the_choice_at_a_thousand_lanes_included(tmp_path) -> None:
+    """The same loops with another N, verified with it, and stored."""
+    thousand, request = (request_for("x86-64-v2", Goal(steps=n)) for n in (1000, 50))
+    places, host = nowhere(tmp_path), read_host()
+    base = [record_for(thousand, "x86-64-v2", width) for width in (1, 2)]
+    stored = Selection(target="x86-64-v2", resolved="x86-64-v2", scene="any", kernels=base)
+    write_atomically(places.cache / "x86-64-v2" / "any" / SELECTION, stored.text())
+    bench = Workbench(bench_tool(), CACHE.parent, {c.code: c for c in find_compilers()})
+    made = kernels_for(places, request, "x86-64-v2", bench, host, 1.0)
+    assert made.batch is not None
+    for entry, old in ((made.single, base[0]), (made.batch, base[1])):
+        print(f"{entry.kernel}: largest error {entry.max_rel_error:g} of the relative speed")
+        assert entry.kernel == old.kernel.replace("n1000", "n50")
+        assert entry.steps == 50 and entry.max_rel_error > 0
+    assert stored_kernels(places, request, "x86-64-v2") == made
 
 
 def test_verify_refuses_what_is_no_vendored_folder(tmp_path) -> None:
