@@ -88,7 +88,11 @@ def _command(selection: Selection, model: str) -> str:
 
 def write_folder(folder: Path, selection: Selection) -> list[Path]:
     """Write all files of a folder, selection.json last, and remove strays."""
-    files = files_of(selection)
+    return write_files(folder, files_of(selection))
+
+
+def write_files(folder: Path, files: dict[str, str]) -> list[Path]:
+    """As `write_folder`, of texts that were made already."""
     folder.mkdir(parents=True, exist_ok=True)
     for name in sorted(files, key=lambda n: n == FILE):
         write_atomically(folder / name, files[name])
@@ -136,7 +140,11 @@ def differences(folder: Path) -> list[Difference]:
     selection = checked_selection(folder)
     if selection is None:
         raise InputError(f"{folder}: no {FILE}; make it with ./gen --target {folder.parent.name}")
-    files = files_of(selection)
+    return differences_from(folder, files_of(selection))
+
+
+def differences_from(folder: Path, files: dict[str, str]) -> list[Difference]:
+    """How a folder differs from files by name and text."""
     found = [Difference(stray, "stray") for stray in _strays(folder, files)]
     for name, text in files.items():
         path = folder / name

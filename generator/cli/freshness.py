@@ -10,10 +10,12 @@ from generator.choice.folder import (
     Difference,
     checked_selection,
     differences,
+    differences_from,
+    files_of,
     folders,
     remove,
     strays_beside,
-    write_folder,
+    write_files,
 )
 from generator.cli.session import ROOT
 from generator.errors import InputError
@@ -50,9 +52,10 @@ def run_update(out: Path | None) -> int:
     selections = {folder: checked_selection(folder) for folder in _folders(out)}
     for folder, selection in selections.items():
         assert selection is not None
-        changed = [d.path for d in differences(folder)]
+        files = files_of(selection)
+        changed = differences_from(folder, files)
         if changed:
-            write_folder(folder, selection)
+            write_files(folder, files)
         click.echo(f"{folder}: {len(changed)} files changed")
     for path in strays_beside(out or ROOT / "generated"):
         remove(path)
