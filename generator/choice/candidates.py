@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from generator.emission.lanes import lane_context
 from generator.scenes.scene import find_scene
 from generator.steppers.budgets import tableaus_for
 from generator.targets.target import Target
 from generator.variants.axes import axis
-from generator.variants.lanes import widths_of
+from generator.variants.lanes import Precision, widths_of
 from generator.variants.names import name_of
 from generator.variants.presets import PAPER_PRESETS
 from generator.variants.rules import broken_rule
@@ -106,9 +107,12 @@ def default_lanes(single: Variant, target: Target) -> Variant:
     widest = max(widths_of(target, known.precision))
     if widest == 1 or (known.without_exact_lanes and not fixed):
         return single
+    if not fixed:
+        return single.in_lanes(widest, interleave="i1" if known.level else "s2")
     finished, interleave = _LANES[0]
-    options = {"lane_root": _lane_roots(target)[-1], "finished": finished, "interleave": interleave}
-    return single.in_lanes(widest, **(options if fixed else {}))
+    return single.in_lanes(
+        widest, lane_root=_lane_roots(target)[-1], finished=finished, interleave=interleave
+    )
 
 
 def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
@@ -130,6 +134,18 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
     return [v for v in found if broken_rule(v, target) is None]
 
 
+def _exact_lane_roots(single: Variant, target: Target, precision: Precision) -> tuple[str, ...]:
+    """The coarsest root in lanes that a budget allows, and that of single calls."""
+    if find_scene(single.scene).level:
+        return (single["root"],)
+    widest = max(widths_of(target, precision))
+    error = lane_context(target, widest, precision=precision).estimate_error
+    refined = {"est0": error, "est1": 1.5 * error**2, "cubic": 2.5 * error**3}
+    budget = single.stepper.budget or 0.0
+    enough = [root for root, error in refined.items() if error <= budget] or ["est2"]
+    return tuple(dict.fromkeys((enough[0], single["root"])))
+
+
 def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
     """The chosen exact kernel in the widest lanes; narrower ones for comparison."""
     scene = find_scene(single.scene)
@@ -137,11 +153,13 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
         return []
     there = widths_of(target, scene.precision)
     widest, *narrower = sorted((w for w in there if w > 1), reverse=True)
-    ways = [(widest, "i1"), (widest, "i2"), *((width, "i2") for width in narrower[:1])]
+    ways = [(widest, way) for way in ("s2", "i1", "i2")]
+    ways += [(width, "i2") for width in narrower[:1]]
     found = [
-        single.in_lanes(width, interleave=interleave, compiler=compiler)
+        single.in_lanes(width, lane_root=root, interleave=interleave, compiler=compiler)
         for compiler in compilers
         if compiler != "clangold"
+        for root in _exact_lane_roots(single, target, scene.precision)
         for width, interleave in ways
     ]
     return [v for v in found if broken_rule(v, target) is None]

@@ -128,7 +128,7 @@ def loop_report(bench: Workbench, candidate: Candidate, target: Target) -> McaRe
 
 def lanes_in_flight(variant: Variant) -> int:
     """Lanes of all vectors that are worked on in turn."""
-    return variant.width * int(variant.get("interleave", "i1")[1:])
+    return variant.width * variant.vectors
 
 
 def model_loop(bench: Workbench, candidate: Candidate, target: Target) -> None:

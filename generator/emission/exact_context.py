@@ -14,6 +14,7 @@ from generator.lowering.exact_step import (
     SLIPS,
     ExactLowering,
     ExactStep,
+    Kept,
 )
 from generator.lowering.fixed_step import Part
 from generator.lowering.printer import number
@@ -64,6 +65,7 @@ class ExactContext:
     tail_t_y: str
     tail_steps: tuple[str, ...]  # the stages of the step into sticking
     extra_stages: tuple[Part, ...]  # for the interpolant alone
+    kept: tuple[Kept, ...]  # what each stage leaves, where two vectors' stages are made in turn
     dense_work: tuple[str, ...]  # coefficients of the interpolants of t_y and of the work
     dense_contact: tuple[str, ...]  # of the other impulses
     drift: tuple[str, ...]  # b, the rate of the table slip
@@ -87,6 +89,7 @@ class ExactContext:
     width: int = 1
     slots: int = 1024  # collisions in a block of a batch
     wave: int = 8  # vectors under way in a batch
+    together: int = 1  # vectors whose steps are made at once
     batch: ExactContext | None = None  # the same in lanes
 
     @property
@@ -188,11 +191,7 @@ class ExactContext:
         return self.step.counts
 
 
-def _roots(
-    variant: Variant, target: Target, real: str, lanes: bool
-) -> tuple[Estimate, int | None, str]:
-    method = variant["root"]
-
+def _roots(method: str, target: Target, real: str, lanes: bool) -> tuple[Estimate, int | None, str]:
     def of(target: Target, newton: int) -> Estimate:
         if real == "float":
             return float_estimate(target, newton, lanes)
@@ -248,14 +247,15 @@ def _pressed_context(
     k_b, k_f = changes[s.S2Y].coeff(s.D_Z), changes[s.S2X].coeff(s.T2X)
     drive, recoil = changes[s.S2Y].coeff(s.DQ), -changes[s.S2X].coeff(s.D_X)
     k_z = float(changes[s.C_Z].coeff(s.D_Z))
-    found, newton, text = _roots(variant, target, real, lanes)
+    root = variant["lane_root" if lanes else "root"]
+    found, newton, text = _roots(root, target, real, lanes)
     ends = CollisionEnds(terms, masses_of(scene.mass_ratio), at_zero(scene), fma, lanes)
     gains = real == "float"
     slips = SLIPS_BEFORE if table else ("c_x", "c_z", "v_n")
     resting = ("s2x", "s2y") if scene.object_ball == "rest" else ()
     if scene.level:
         slips = ("c_x", "v_n")
-    split_roots = table and not lanes and bool(newton or variant["root"] == "cubic")
+    split_roots = table and not lanes and bool(newton or root == "cubic")
     lowering = ExactLowering(terms, plan.tableau, fma, masses, table, gains, lanes, split_roots)
     return ExactContext(
         tableau=plan.tableau,
@@ -265,7 +265,7 @@ def _pressed_context(
         real=real,
         lane_estimate=found.scalar,
         root_newton=newton,
-        root_cubic=variant["root"] == "cubic",
+        root_cubic=root == "cubic",
         split_roots=split_roots,
         coarse=found.relative_error > 1e-3,
         root_text=text,
@@ -289,6 +289,9 @@ def _pressed_context(
         tail_s_y=f"fma(real({number(k_f)}), t_tail_y, "
         f"fma(real({number(k_b)}), d_tail_z, {_times(drive, 'dq')}))",
         tail_steps=lowering.tail().lines if table else (),
+        kept=lowering.kept() if lanes and variant.paired else (),
+        together=2 if variant.paired else 1,
+        wave=6 if variant.paired else 8,
         extra_stages=lowering.extra_stages() if table else (),
         dense_work=lowering.dense(("t_y", "j")).lines if table else (),
         dense_contact=lowering.dense(("d_x", "d_z", "t_x")).lines if table else (),

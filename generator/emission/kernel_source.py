@@ -369,8 +369,8 @@ def _lanes(variant: Variant, target: Target) -> LaneContext:
     exact = variant.stepper.family == "exact"
     if exact and (reason := scene.without_exact_lanes):
         raise InputError(f"--scene {scene.name}: {reason}; expected width 1")
-    interleave, fma = int(variant["interleave"][1:]), variant["fma"] == "fma"
-    return lane_context(target, variant.width, interleave, fma, scene.precision)
+    fma = variant["fma"] == "fma"
+    return lane_context(target, variant.width, variant.vectors, fma, scene.precision)
 
 
 def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:

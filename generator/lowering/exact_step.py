@@ -39,6 +39,16 @@ def _symbol(name: str) -> sp.Symbol:
 
 
 @dataclass(frozen=True)
+class Kept:
+    """What a stage leaves for later, by type, and what it uses of what earlier ones left."""
+
+    uses: tuple[str, ...]
+    rates: tuple[str, ...]
+    slips: tuple[str, ...]
+    numbers: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class ExactStep:
     """The parts of one step, printed."""
 
@@ -239,6 +249,19 @@ class ExactLowering:
             if share != 0:
                 total = self._add(share, _rate(stage, name), total)
         return total
+
+    def kept(self) -> tuple[Kept, ...]:
+        """What each stage of a step with a table leaves, from that at its start on."""
+        last = self.tableau.stages - 1
+        stages = [Kept((), ("k0",), (), ("v0", "per_h", "j0"))]
+        for i, row in enumerate(self.tableau.rows[1 : last + 1], 1):
+            counts = self._counts_power(i)
+            uses = [f"k{j}" for j, weight in enumerate(row) if weight] + ["v0"] * counts
+            numbers = (f"j{i}",) if counts else ()
+            stages.append(Kept(tuple(uses), (f"k{i}",), (), numbers))
+        sums = tuple(f"sum{last}_{name}" for name in self.impulses)
+        end = Kept(stages[-1].uses, (f"k{last}",), (f"y{last}",), (f"v{last}", f"j{last}", *sums))
+        return (*stages[:-1], end)
 
     def _counts_power(self, i: int) -> bool:
         """Does the power of table friction at stage i enter the work or an interpolant?"""

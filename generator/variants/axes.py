@@ -137,13 +137,14 @@ AXES: tuple[Axis, ...] = (
     ),
     _axis(
         "lane_root",
-        "reciprocal of a slip's length in lanes of fixed steps",
-        "euler",
+        "reciprocal of a slip's length in lanes",
+        "all",
         lanes=True,
         est1="hardware estimate and one Newton step",
         cubic="hardware estimate and one step of third order",
         est2="hardware estimate and two Newton steps",
         inv="sqrt and division",
+        est0="hardware estimate alone, in an exact stepper",
     ),
     _axis(
         "finished",
@@ -163,6 +164,7 @@ AXES: tuple[Axis, ...] = (
         i2="two",
         i3="three",
         i4="four",
+        s2="two, in the stages of an exact step alone",
     ),
     _axis(
         "compiler",

@@ -158,6 +158,16 @@ RULES: tuple[Rule, ...] = (
         "the target has no instruction that estimates a reciprocal square root",
         lambda v, t: v.get("lane_root", "inv") != "inv" and not t.has_rsqrt_estimate,
     ),
+    Rule(
+        "lanes-of-steps-refine-roots",
+        "a thousand steps add up what an estimate alone is off by: use a finer lane_root",
+        _euler(lambda v: v.get("lane_root") == "est0"),
+    ),
+    Rule(
+        "pairs-need-stages",
+        "only the steps of an exact kernel have stages that two vectors can make in turn",
+        lambda v, _t: v.paired and (v.stepper.family != "exact" or find_scene(v.scene).level),
+    ),
 )
 
 

@@ -79,6 +79,17 @@ class Variant:
         head = (self.target, self.scene, self.model, self.stepper)
         return make_variant(*head, width, **{**options, **changes})
 
+    @property
+    def vectors(self) -> int:
+        """Vectors that every operation of a batch is made for in turn."""
+        code = self.get("interleave", "i1")
+        return int(code[1:]) if code.startswith("i") else 1
+
+    @property
+    def paired(self) -> bool:
+        """Are the stages of an exact step made for two vectors in turn?"""
+        return self.get("interleave") == "s2"
+
     def distance_from_default(self) -> int:
         """How many options differ from the default; ties are broken by it."""
         return sum(code != axis(key).default for key, code in self.options)
@@ -102,7 +113,12 @@ def make_variant(
     width: int = 1,
     **options: str,
 ) -> Variant:
-    """A variant with defaults for every option that is not named."""
+    """A variant with defaults for every option that is not named.
+
+    Lanes of an exact kernel make their roots as its single calls do, unless told otherwise.
+    """
+    if stepper.family == "exact" and width > 1 and "root" in options:
+        options = {"lane_root": options["root"], **options}
     defaults = tuple((a.key, a.default) for a in axes_of(stepper.family, width))
     base = Variant(target, scene, model, stepper, width, defaults)
     return base.with_options(**options)

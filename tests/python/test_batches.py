@@ -34,6 +34,8 @@ KERNELS = (
 EXACT = (
     ("x86-64-v2", 2, "dp54", 1e-6, {"interleave": "i1", "root": "est1", "fma": "nofma"}),
     ("x86-64-v3", 4, "dp54", 1e-6, {"interleave": "i2", "root": "est1", "fma": "fma"}),
+    ("x86-64-v3", 4, "dp54", 1e-6, {"interleave": "s2", "lane_root": "est1", "fma": "fma"}),
+    ("x86-64-v4", 8, "dp54", 1e-6, {"interleave": "s2", "root": "est1", "fma": "fma"}),
     ("x86-64-v4", 8, "ss43", 1e-3, {"interleave": "i1", "root": "est0", "fma": "fma"}),
     ("x86-64-v4", 8, "dop853", 1e-9, {"interleave": "i2", "root": "cubic", "fma": "fma"}),
 )
@@ -41,7 +43,7 @@ EXACT = (
 FLOATS = (
     ("x86-64-v2", 4, "ss43", 1e-3, {"interleave": "i1", "root": "est1", "fma": "nofma"}),
     ("x86-64-v3", 8, "dp54", 1e-4, {"interleave": "i2", "root": "inv", "fma": "fma"}),
-    ("x86-64-v4", 16, "ss43", 1e-3, {"interleave": "i1", "root": "est0", "fma": "fma"}),
+    ("x86-64-v4", 16, "ss43", 1e-3, {"interleave": "s2", "root": "est0", "fma": "fma"}),
 )
 EQUAL_TABLE = (*PARAMETERS[:3], PARAMETERS[2], *PARAMETERS[4:])  # as `arcade` has it
 
@@ -86,7 +88,7 @@ def kernel(request):
     variant = _mathavan(request.param)
     library = _built(variant)
     parameters = EQUAL_TABLE if request.param in FLOATS else PARAMETERS
-    lanes = variant.width * int(variant["interleave"][1:])
+    lanes = variant.width * (2 if variant.paired else variant.vectors)
     return BatchFunction(library.path, parameters), lanes
 
 
