@@ -227,7 +227,8 @@ def test_a_contest_of_batches_varies_lanes_and_not_the_loop_of_single_calls(
     for axis in axes:
         alone = axis.family == "euler" and not axis.lanes
         assert len(seen[axis.key]) == 1 if alone else True
-        assert seen[axis.key] == set(axis.codes()) or not axis.lanes
+        of_steps = set(axis.codes()) - {"est0", "s2"}  # those are of exact lanes alone
+        assert seen[axis.key] == of_steps or not axis.lanes
     best = min(landscape(v) for v in asked.space(BATCH).everything())
     assert landscape(chosen(outcome.final)) <= 1.03 * best
 
