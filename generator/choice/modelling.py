@@ -127,8 +127,8 @@ def loop_report(bench: Workbench, candidate: Candidate, target: Target) -> McaRe
 
 
 def lanes_in_flight(variant: Variant) -> int:
-    """Lanes of all vectors that are worked on in turn."""
-    return variant.width * variant.vectors
+    """Lanes of all vectors that a pass of the marked loop works on in turn."""
+    return variant.width * (2 if variant.paired else variant.vectors)
 
 
 def model_loop(bench: Workbench, candidate: Candidate, target: Target) -> None:

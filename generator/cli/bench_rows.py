@@ -11,10 +11,14 @@ from generator.choice.lookup import with_compiler_found
 from generator.choice.modelling import lanes_in_flight, loop_report
 from generator.choice.selection import Selected
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
+from generator.profiling.passes import steps_a_collision
+from generator.scenes.scene import find_scene
 from generator.targets.target import Target
 from generator.toolchain.mca import find_mca
 from generator.variants.names import variant_of
 from generator.verification.errors import Array
+
+COUNTED = 2000  # cases whose steps are counted, of an exact kernel
 
 
 @dataclass(frozen=True)
@@ -123,13 +127,22 @@ def _batch_row(
     if candidate.rejected or candidate.library is None:
         return BenchRow(candidate, True)
     threads = tools.tool.threads(candidate.library.path, cases)
-    return BenchRow(candidate, True, _bound_cycles(tools, candidate, target), ghz, threads)
+    return BenchRow(candidate, True, _bound_cycles(tools, candidate, target, cases), ghz, threads)
 
 
-def _bound_cycles(tools: Workbench, candidate: Candidate, target: Target) -> float | None:
-    """Cycles that N steps of a batch kernel's loop need at least, over its lanes."""
-    steps = candidate.variant.stepper.steps
-    if steps is None or candidate.rejected or find_mca() is None:
+def _bound_cycles(
+    tools: Workbench, candidate: Candidate, target: Target, cases: Array
+) -> float | None:
+    """Cycles that a collision's steps in a batch kernel's loop need at least, all lanes busy.
+
+    None where there is no such loop, or no llvm-mca.
+    """
+    variant = candidate.variant
+    if find_mca() is None or find_scene(variant.scene).level:
         return None
+    steps: float | None = variant.stepper.steps
+    if steps is None:
+        cache = tools.cache / "kernels"
+        steps = steps_a_collision(variant, candidate.compiler, target, cases[:COUNTED], cache)
     report = loop_report(tools, candidate, target)
-    return report.throughput_bound * steps / lanes_in_flight(candidate.variant)
+    return report.throughput_bound * steps / lanes_in_flight(variant)

@@ -17,13 +17,14 @@ _FUNCTION = re.compile(r"^[A-Za-z_][\w:<>,&* ]*?\b(\w+)\([^;]*$")
 _PRE = re.compile(
     r"enter|valid|in_range|finite9|moderate|of_scene|fast_as_scene|contact_friction|parameters_of"
     r"|step|collide_one|begin|complete|step_limit|\w+_collide(?:_steps|_batch)?"
-    r"|load_some|read_balls|friction_of|contact_of|status_of|take_up|refill"
+    r"|load_some|read_balls|friction_of|per_distance_of|contact_of|status_of|take_up|refill"
 )
 _POST = re.compile(r"leave|copy_balls|step_level|put_down|store_some|origin_of|after_loops|finish")
 _IMPULSE = re.compile(r"rates_at|rates_at_rest|select_rates|tail_rates")
 _UPDATE = re.compile(
     r"advance|finish_sticking|remaining_impulse|interpolant|joint_error"
-    r"|pass_zero|plan_step|make_steps?|step_lanes|stick_lanes|work_through|move|run|halt|stop|push"
+    r"|pass_zero|plan_step|make_steps?|stage_[0-9]+|begin_turn|put_aside|end_turn|step_lanes|step_pair"
+    r"|stick_lanes|work_through|move|run|halt|stop|push"
     r"|read|ahead|steps_ahead|go_on|after_chatter|collide_block|collide_all"
 )
 _STEPPED = re.compile(r"iterate\w*|step_pressed")

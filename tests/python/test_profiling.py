@@ -10,12 +10,14 @@ from kernels import CACHE, bench_tool, compiler_of
 
 from generator.emission.kernel_source import KernelSource, emit
 from generator.profiling.misses import own_costs, simulate_misses
+from generator.profiling.passes import steps_a_collision
 from generator.profiling.sampling import sample
 from generator.profiling.sections import SECTIONS, sections_of
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.build import build_library
 from generator.toolchain.flags import compile_flags
+from generator.toolchain.mca import analyse, assembly_of, find_mca
 from generator.variants.presets import find_preset
 from generator.variants.variant import Stepper, Variant, make_variant
 
@@ -112,3 +114,22 @@ fn=(1)
         "Bc": 12,
         "Bcm": 6,
     }
+
+
+def test_a_loop_of_exact_lanes_has_a_bound_that_its_steps_scale(tmp_path: Path) -> None:
+    target = find_target("x86-64-v2")
+    exact = Stepper("dp54", budget=1e-6)
+    wide = make_variant("x86-64-v2", "any", "mathavan2014", exact, 2, fma="nofma", root="est1")
+    compiler = compiler_of(wide)
+    cases = bench_tool().make_cases(11, 300).rows
+    steps = steps_a_collision(wide, compiler, target, cases, CACHE)
+    once = steps_a_collision(wide, compiler, target, cases[:1], CACHE)
+    print(f"{steps:.3f} steps a collision, {once:.0f} of the first")
+    assert 1.0 < steps < 4.0 and once == round(once)
+    if find_mca() is None:
+        pytest.skip("llvm-mca is not installed")
+    sources = {k: v for k, v in _files(emit(wide)).items() if k != "probe.cpp"}
+    text = assembly_of(sources, (), compiler, compile_flags(wide, compiler, target), "bound")
+    report = analyse(text, target, "lanes")
+    print(f"{report.throughput_bound:.0f} cycles a pass of two lanes; {report.note}")
+    assert 300 < report.throughput_bound < report.cycles_per_iteration
