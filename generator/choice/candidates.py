@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from generator.emission.lanes import lane_context
-from generator.scenes.scene import find_scene
+from generator.scenes.scene import Scene, find_scene
 from generator.steppers.budgets import tableaus_for
 from generator.targets.target import Target
 from generator.variants.axes import axis
@@ -108,11 +108,17 @@ def default_lanes(single: Variant, target: Target) -> Variant:
     if widest == 1 or (known.without_exact_lanes and not fixed):
         return single
     if not fixed:
-        return single.in_lanes(widest, interleave="i1" if known.level else "s2")
+        root = _exact_lane_roots(single, target, known.precision)[0]
+        return single.in_lanes(widest, lane_root=root, interleave=_exact_interleave(known, target))
     finished, interleave = _LANES[0]
     return single.in_lanes(
         widest, lane_root=_lane_roots(target)[-1], finished=finished, interleave=interleave
     )
+
+
+def _exact_interleave(scene: Scene, target: Target) -> str:
+    """Two vectors' stages in turn, where there are stages; not for a page that loads the text."""
+    return "i1" if scene.level or target.has("simd128") else "s2"
 
 
 def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
@@ -136,7 +142,7 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
 
 def _exact_lane_roots(single: Variant, target: Target, precision: Precision) -> tuple[str, ...]:
     """The coarsest root in lanes that a budget allows, and that of single calls."""
-    if find_scene(single.scene).level:
+    if find_scene(single.scene).level or not target.has_rsqrt_estimate:
         return (single["root"],)
     widest = max(widths_of(target, precision))
     error = lane_context(target, widest, precision=precision).estimate_error
