@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.any.mathavan2014.dp54.e1m06.x1.est1.nofma
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene any --model mathavan2014
-// inputs:   sha256 989b3301d93933ef
+// inputs:   sha256 f4426074de9ee18a
 #include "carom.h"
 
 #include <cmath>
@@ -846,11 +846,10 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Real error =
       real(2.5) * fma(real(kTableError), max(abs(e_t_x), abs(e_t_y)), max(abs(e_d_x), abs(e_d_z)));
   Mask keeps = both(tries, le(error, real(kSafe) * start.tolerance));
-  if (any(but_not(tries, keeps))) {
+  if (!keeps) {
     CAROM_BRANCH();
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
-    const Real cap = h * max(real(0.1), real(0.9) * power(max(ratio, real(kTinySquare)), kOrder));
-    at.h_cap = select(but_not(tries, keeps), cap, at.h_cap);
+    at.h_cap = h * max(real(0.1), real(0.9) * power(max(ratio, real(kTinySquare)), kOrder));
     return false;
   }
   const Real j_sum = real(0.09114583333333333) * j0 + real(0.44923629829290207) * j2 +
@@ -865,12 +864,10 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Real beyond = remaining_impulse(start, compressing, at.target, v6, k_end.t_y, at.work + dj);
   Mask lands = both(keeps, le(beyond, real(kExtend) * h));
   const Mask far = both(lands, lt(beyond, real(-kInside) * h));
-  if (any(far)) {
+  if (far) {
     CAROM_BRANCH();
-    at.h_cap = select(far, h + beyond, at.h_cap);
-    keeps = but_not(keeps, far);
-    lands = but_not(lands, far);
-    if (!any(keeps)) return keeps;
+    at.h_cap = h + beyond;
+    return false;
   }
   const Mask crosses = both(both(keeps, compressing), either(ge(v6, real(0.0)), lands));
   Real work = at.work;

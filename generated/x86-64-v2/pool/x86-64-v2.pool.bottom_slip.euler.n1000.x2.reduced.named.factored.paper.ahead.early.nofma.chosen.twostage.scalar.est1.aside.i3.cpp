@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.pool.bottom_slip.euler.n1000.x2.reduced.named.factored.paper.ahead.early.nofma.chosen.twostage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene pool --model bottom_slip
-// inputs:   sha256 187a419fa5b96138
+// inputs:   sha256 aac58bc4cf7394ca
 #include "carom.h"
 
 #include <cmath>
@@ -983,6 +983,7 @@ struct Balls {
 // What came in: the balls, the same in contact axes, and the status of each lane before its collision.
 struct Entered {
   Balls balls;
+  Real per_distance;
   Contact b;
   Real u_b;
   Real status;
@@ -1021,13 +1022,19 @@ CAROM_INLINE Real friction_of(const Batch& batch, size_t first, int count) {
   return batch.u_b != nullptr ? load_some(batch.u_b + first, count) : real(batch.p.u_b);
 }
 
-CAROM_INLINE Contact contact_of(const Batch& batch, const Balls& balls) {
+// 1/m, inverse distance of the centres
+CAROM_INLINE Real per_distance_of(const Balls& balls) {
+  const Real d_x = balls.two[0] - balls.one[0];
+  const Real d_y = balls.two[1] - balls.one[1];
+  return real(1.0) / sqrt(d_x * d_x + d_y * d_y);
+}
+
+CAROM_INLINE Contact contact_of(const Batch& batch, const Balls& balls, Real per_distance) {
   const Real* const ball1 = balls.one;
   const Real* const ball2 = balls.two;
   Contact b;
   const Real d_x = ball2[0] - ball1[0];
   const Real d_y = ball2[1] - ball1[1];
-  const Real per_distance = real(1.0) / sqrt(d_x * d_x + d_y * d_y);
   b.f_x = d_x * per_distance;
   b.f_y = d_y * per_distance;
   b.f_z = real(0.0);
@@ -1077,7 +1084,8 @@ CAROM_INLINE Real status_of(const Batch& batch, const Balls& balls, const Contac
 CAROM_INLINE Entered enter(const Batch& batch, size_t first, int count) {
   Entered e;
   e.balls = read_balls(batch, first, count);
-  e.b = contact_of(batch, e.balls);
+  e.per_distance = per_distance_of(e.balls);
+  e.b = contact_of(batch, e.balls, e.per_distance);
   e.u_b = friction_of(batch, first, count);
   e.status = status_of(batch, e.balls, e.b, e.u_b);
   e.good = eq(e.status, real(CAROM_OK));

@@ -3,7 +3,7 @@
 // kernel:   zen3.any.bottom_slip.dp54.e1m06.x1.est1.fma
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene any --model bottom_slip
-// inputs:   sha256 c6addf50c7bd06a8
+// inputs:   sha256 48bfc01fc4954228
 #include "carom.h"
 
 #include <cmath>
@@ -971,11 +971,10 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Real error =
       real(2.5) * fma(real(kTableError), max(abs(e_t_x), abs(e_t_y)), max(abs(e_d_x), abs(e_d_z)));
   Mask keeps = both(tries, le(error, real(kSafe) * start.tolerance));
-  if (any(but_not(tries, keeps))) {
+  if (!keeps) {
     CAROM_BRANCH();
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
-    const Real cap = h * max(real(0.1), real(0.9) * power(max(ratio, real(kTinySquare)), kOrder));
-    at.h_cap = select(but_not(tries, keeps), cap, at.h_cap);
+    at.h_cap = h * max(real(0.1), real(0.9) * power(max(ratio, real(kTinySquare)), kOrder));
     return false;
   }
   Real j_sum = real(0.09114583333333333) * j0;
@@ -992,12 +991,10 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Real beyond = remaining_impulse(start, compressing, at.target, v6, k_end.t_y, at.work + dj);
   Mask lands = both(keeps, le(beyond, real(kExtend) * h));
   const Mask far = both(lands, lt(beyond, real(-kInside) * h));
-  if (any(far)) {
+  if (far) {
     CAROM_BRANCH();
-    at.h_cap = select(far, h + beyond, at.h_cap);
-    keeps = but_not(keeps, far);
-    lands = but_not(lands, far);
-    if (!any(keeps)) return keeps;
+    at.h_cap = h + beyond;
+    return false;
   }
   const Mask crosses = both(both(keeps, compressing), either(ge(v6, real(0.0)), lands));
   Real work = at.work;

@@ -3,7 +3,7 @@
 // kernel:   zen3.any.pooltool.euler.n1000.x4.reduced.named.factored.chain.prev.early.fma.chosen.onestage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene any --model pooltool
-// inputs:   sha256 82224e9d5e46ae10
+// inputs:   sha256 1c9dcb8667348a70
 #include "carom.h"
 
 #include <cmath>
@@ -905,6 +905,7 @@ struct Balls {
 // What came in: the balls, the same in contact axes, and the status of each lane before its collision.
 struct Entered {
   Balls balls;
+  Real per_distance;
   Contact b;
   Real u_b;
   Real status;
@@ -943,14 +944,21 @@ CAROM_INLINE Real friction_of(const Batch& batch, size_t first, int count) {
   return batch.u_b != nullptr ? load_some(batch.u_b + first, count) : real(batch.p.u_b);
 }
 
-CAROM_INLINE Contact contact_of(const Batch& batch, const Balls& balls) {
+// 1/m, inverse distance of the centres
+CAROM_INLINE Real per_distance_of(const Balls& balls) {
+  const Real d_x = balls.two[0] - balls.one[0];
+  const Real d_y = balls.two[1] - balls.one[1];
+  const Real d_z = balls.two[2] - balls.one[2];
+  return real(1.0) / sqrt(d_x * d_x + d_y * d_y + d_z * d_z);
+}
+
+CAROM_INLINE Contact contact_of(const Batch& batch, const Balls& balls, Real per_distance) {
   const Real* const ball1 = balls.one;
   const Real* const ball2 = balls.two;
   Contact b;
   const Real d_x = ball2[0] - ball1[0];
   const Real d_y = ball2[1] - ball1[1];
   const Real d_z = ball2[2] - ball1[2];
-  const Real per_distance = real(1.0) / sqrt(d_x * d_x + d_y * d_y + d_z * d_z);
   b.f_x = d_x * per_distance;
   b.f_y = d_y * per_distance;
   b.f_z = d_z * per_distance;
@@ -997,7 +1005,8 @@ CAROM_INLINE Real status_of(const Batch& batch, const Balls& balls, const Contac
 CAROM_INLINE Entered enter(const Batch& batch, size_t first, int count) {
   Entered e;
   e.balls = read_balls(batch, first, count);
-  e.b = contact_of(batch, e.balls);
+  e.per_distance = per_distance_of(e.balls);
+  e.b = contact_of(batch, e.balls, e.per_distance);
   e.u_b = friction_of(batch, first, count);
   e.status = status_of(batch, e.balls, e.b, e.u_b);
   e.good = eq(e.status, real(CAROM_OK));
