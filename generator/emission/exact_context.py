@@ -82,7 +82,7 @@ class ExactContext:
     tiny_error: float = 1e-72  # far below every square of an error
     no_friction: float = 0.0  # u_b up to this is none
     tiny_friction: float = 1e-36  # added to u_b where it is divided by; it moves nothing
-    gains: bool = False  # are changes of slips added up beside them (float)?
+    gains: bool = False  # are changes of slips added up beside them (float, or a tight budget)?
     scaled: bool = True  # are speeds scaled (they are where they may be any)?
     one_table: bool = False  # is table friction the same for both balls?
     other: ExactContext | None = None  # unequal masses: as this one (ball 2 pressed), for ball 1
@@ -240,17 +240,17 @@ def _pressed_context(
 ) -> ExactContext:
     """As exact_context, for ball 2 pressed, or where the masses are swapped for ball 1."""
     assert variant.stepper.budget is not None
-    plan = plan_for(variant.stepper.budget, variant.stepper.name)
     fma = variant["fma"] == "fma"
     real, table = scene.precision, scene.table_friction
     changes = pressed_changes(terms, masses)
     k_b, k_f = changes[s.S2Y].coeff(s.D_Z), changes[s.S2X].coeff(s.T2X)
+    plan = plan_for(variant.stepper.budget, variant.stepper.name, driven=float(k_f) < 0)
     drive, recoil = changes[s.S2Y].coeff(s.DQ), -changes[s.S2X].coeff(s.D_X)
     k_z = float(changes[s.C_Z].coeff(s.D_Z))
     root = variant["lane_root" if lanes else "root"]
     found, newton, text = _roots(root, target, real, lanes)
     ends = CollisionEnds(terms, masses_of(scene.mass_ratio), at_zero(scene), fma, lanes)
-    gains = real == "float"
+    gains = real == "float" or plan.budget < 1e-10
     slips = SLIPS_BEFORE if table else ("c_x", "c_z", "v_n")
     resting = ("s2x", "s2y") if scene.object_ball == "rest" else ()
     if scene.level:
@@ -269,7 +269,7 @@ def _pressed_context(
         split_roots=split_roots,
         coarse=found.relative_error > 1e-3,
         root_text=text,
-        tiny_square="1e-24" if gains else "1e-36",
+        tiny_square="1e-24" if real == "float" else "1e-36",
         before=ends.slips(n for n in slips if n not in resting).lines,
         relative=ends.relative("" if scene.bounded else "per_scale").lines,
         after=(ends.velocities() if table else ends.free_velocities()).lines,
@@ -304,9 +304,9 @@ def _pressed_context(
         tail_t_y=_times(changes[s.V_N].coeff(s.T2Y), "t_tail_y"),
         slip_names=tuple(SLIPS) if table else CONTACT,
         impulse_names=tuple(IMPULSES) if table else RUBBING,
-        tiny_error=1e-36 if gains else 1e-72,
-        no_friction=1e-9 if gains else 0.0,
-        tiny_friction=1e-9 if gains else 1e-36,
+        tiny_error=1e-36 if real == "float" else 1e-72,
+        no_friction=1e-9 if real == "float" else 0.0,
+        tiny_friction=1e-9 if real == "float" else 1e-36,
         gains=gains,
         scaled=not scene.bounded,
         one_table=scene.one_table,

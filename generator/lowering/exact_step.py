@@ -66,10 +66,11 @@ class ExactLowering:
 
     Ball 2 is the pressed one: with sigma = -1 for a pressed ball 1, the slips s, the table
     increments t, c_z and d_z times sigma obey the same system, with the masses in each other's
-    place. Without a table only the contact slip is carried. `gains`: slips are carried in float, so
-    that impulses are added up beside them. `lanes`: as few operations as there can be; else the
-    chain from a stage to the next is kept short, at the cost of a few more. `split_roots`: what the
-    root of the table slip is multiplied by goes in before its last correction.
+    place. Without a table only the contact slip is carried. `gains`: impulses are added up beside
+    the slips, whose own rounding counts (float, or a tight budget). `lanes`: as few operations as
+    there can be; else the chain from a stage to the next is kept short, at the cost of a few more.
+    `split_roots`: what the root of the table slip is multiplied by goes in before its last
+    correction.
     """
 
     def __init__(

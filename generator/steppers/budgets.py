@@ -39,30 +39,50 @@ class BudgetPlan:
     control: StepControl
 
 
-# Loosest budget first; a plan serves every budget down to its own `budget`.
-_PLANS: tuple[tuple[float, str, StepControl], ...] = (
-    (1e-3, "ss43", StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0)),
-    (9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0)),
-    (1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0)),
-    (1e-7, "dp54", StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002)),
-    (1e-10, "dop853", StepControl(1.0, 2.4, 4.5, 0.005, 0.025, 100.0, 3.0, 0.002)),
-    (TIGHTEST, "dop853", StepControl(0.15, 3.0, 4.0, 0.002, 0.005, 100.0, 3.0, 0.02)),
+@dataclass(frozen=True)
+class _Row:
+    """A tableau and its constants for every budget down to `least`."""
+
+    least: float
+    tableau: str
+    control: StepControl
+    driven: StepControl | None = None  # where the table drives its slip on; None: the same
+    others: StepControl | None = None  # with another tableau
+
+
+_LOOSE = StepControl(0.25, 2.2, 10.0, 0.1, 100.0, 1.0)
+_CAREFUL = StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0)
+_FINEST = StepControl(0.15, 3.0, 4.0, 0.002, 0.005, 100.0, 3.0, 0.02)
+_FINEST_DRIVEN = StepControl(0.06, 3.0, 4.0, 0.001, 0.002, 500.0, 3.0, 0.02)
+
+_PLANS: tuple[_Row, ...] = (  # loosest first
+    _Row(1e-3, "ss43", _LOOSE, driven=_CAREFUL, others=_CAREFUL),
+    _Row(9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0)),
+    _Row(1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0)),
+    _Row(1e-7, "dp54", StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002)),
+    _Row(1e-10, "dop853", StepControl(1.0, 2.4, 4.5, 0.005, 0.025, 100.0, 3.0, 0.002)),
+    _Row(TIGHTEST, "dop853", _FINEST, _FINEST_DRIVEN),
 )
 
 
-def plan_for(budget: float, tableau: str | None = None) -> BudgetPlan:
-    """The plan for a budget. Raises InputError where the budget is out of range."""
+def plan_for(budget: float, tableau: str | None = None, driven: bool = False) -> BudgetPlan:
+    """The plan for a budget; `driven`: does the table drive its slip away from zero?
+
+    Raises InputError where the budget is out of range.
+    """
     if not TIGHTEST <= budget <= LOOSEST:
         raise InputError(
             f"--max-error {budget:g}: out of range; expected {TIGHTEST:g} to {LOOSEST:g}"
         )
-    for least, name, control in _PLANS:
-        if budget >= least:
-            return BudgetPlan(budget, TABLEAUS[tableau or name], control)
+    for row in _PLANS:
+        if budget >= row.least:
+            other = tableau not in (None, row.tableau)
+            control = (driven and row.driven) or (other and row.others) or row.control
+            return BudgetPlan(budget, TABLEAUS[tableau or row.tableau], control)
     raise InputError(f"--max-error {budget:g}: no stepper reaches it")
 
 
 def tableaus_for(budget: float) -> tuple[str, ...]:
     """Names of the tableaus that are worth trying for a budget."""
     plan_for(budget)
-    return tuple(dict.fromkeys(name for least, name, _ in _PLANS if budget >= least))[:2]
+    return tuple(dict.fromkeys(row.tableau for row in _PLANS if budget >= row.least))[:2]
