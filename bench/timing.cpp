@@ -68,6 +68,8 @@ void Comparison::round(std::size_t number) {
     const std::size_t i = number % 2 == 0 ? k : entrants_.size() - 1 - k;
     const bool shares = series_[i].window == shared.size;
     const Window window = shares ? shared : workload_->around(shared, series_[i].window);
+    // After the others' code and data: a quarter of the block untimed, so that it is timed warm.
+    block(entrants_[i], {window.start, std::max(workload_->smallest(), window.size / 4)});
     const Spent spent = block(entrants_[i], window);
     series_[i].ns.push_back(spent.ns / static_cast<double>(window.size));
     series_[i].ticks.push_back(spent.ticks / static_cast<double>(window.size));

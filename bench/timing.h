@@ -37,6 +37,7 @@ class Comparison {
              double block_ns);
 
   /// A block of each entrant, from first to last in even rounds, from last to first in odd ones.
+  /// Each is warmed up before it, untimed: what is wanted is the time of many collisions in a row.
   /// Entrants that need at least a quarter of the baseline's block take the baseline's window of
   /// cases; faster ones take a longer window around it.
   void round(std::size_t number);

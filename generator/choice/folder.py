@@ -52,7 +52,9 @@ def checked_selection(folder: Path) -> Selection | None:
     if selection is None:
         return None
     path = folder / FILE
-    cure = f"make it anew with ./gen --target {folder.parent.name} --scene {folder.name}"
+    cure = (
+        f"remove it, then ./gen --target {folder.parent.name} --scene {folder.name} makes it anew"
+    )
     if (selection.target, selection.scene) != (folder.parent.name, folder.name):
         there = f"{selection.target}/{selection.scene}"
         raise InputError(f"{path}: target/scene: {there}, but it lies elsewhere; {cure}")

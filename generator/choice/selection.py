@@ -100,5 +100,6 @@ def read_selection(folder: Path) -> Selection | None:
         where = ".".join(str(part) for part in first["loc"]) if first else "(file)"
         reason = first["msg"] if first else str(error)
         raise InputError(
-            f"{path}: {where}: {reason}; make it anew with ./gen --target {folder.parent.name}"
+            f"{path}: {where}: {reason}; remove it, then ./gen --target {folder.parent.name} "
+            f"--scene {folder.name} makes it anew"
         ) from None
