@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from generator.emission.lanes import lane_context
 from generator.scenes.scene import Scene, find_scene
 from generator.steppers.budgets import tableaus_for
 from generator.targets.target import Target
 from generator.variants.axes import axis
-from generator.variants.lanes import Precision, widths_of
+from generator.variants.lanes import widths_of
 from generator.variants.names import name_of
 from generator.variants.presets import PAPER_PRESETS
+from generator.variants.roots import COARSEST_FIRST, allows
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, Variant, make_variant
 
@@ -108,7 +108,7 @@ def default_lanes(single: Variant, target: Target) -> Variant:
     if widest == 1 or (known.without_exact_lanes and not fixed):
         return single
     if not fixed:
-        root = _exact_lane_roots(single, target, known.precision)[0]
+        root = _exact_lane_roots(single, target)[0]
         return single.in_lanes(widest, lane_root=root, interleave=_exact_interleave(known, target))
     finished, interleave = _LANES[0]
     return single.in_lanes(
@@ -140,16 +140,13 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
     return [v for v in found if broken_rule(v, target) is None]
 
 
-def _exact_lane_roots(single: Variant, target: Target, precision: Precision) -> tuple[str, ...]:
-    """The coarsest root in lanes that a budget allows, and that of single calls."""
+def _exact_lane_roots(single: Variant, target: Target) -> tuple[str, ...]:
+    """The coarsest root in lanes that the budget allows, and that of single calls."""
     if find_scene(single.scene).level or not target.has_rsqrt_estimate:
         return (single["root"],)
-    widest = max(widths_of(target, precision))
-    error = lane_context(target, widest, precision=precision).estimate_error
-    refined = {"est0": error, "est1": 1.5 * error**2, "cubic": 2.5 * error**3}
     budget = single.stepper.budget or 0.0
-    enough = [root for root, error in refined.items() if error <= budget] or ["est2"]
-    return tuple(dict.fromkeys((enough[0], single["root"])))
+    enough = (code for code in COARSEST_FIRST if allows(budget, single.model, code, target))
+    return tuple(dict.fromkeys((next(enough), single["root"])))
 
 
 def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
@@ -165,7 +162,7 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
         single.in_lanes(width, lane_root=root, interleave=interleave, compiler=compiler)
         for compiler in compilers
         if compiler != "clangold"
-        for root in _exact_lane_roots(single, target, scene.precision)
+        for root in _exact_lane_roots(single, target)
         for width, interleave in ways
     ]
     return [v for v in found if broken_rule(v, target) is None]

@@ -197,7 +197,8 @@ class ExactLowering:
         """Slips at stage i, and the impulses there by `rates_at`."""
         row = self.tableau.rows[i]
         last = max(j for j, w in enumerate(row) if w != 0)
-        whole = self.lanes or i == self.tableau.stages - 1
+        needed = self.table or self.gains  # later, of the last stage's sums
+        whole = self.lanes or (i == self.tableau.stages - 1 and needed)
         split = not self.lanes
         assigns: list[Assign] = []
         early = f"m{i}_" if split and last > 0 else ""

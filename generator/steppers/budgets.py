@@ -52,6 +52,8 @@ class _Row:
 
 _LOOSE = StepControl(0.25, 2.2, 10.0, 0.1, 100.0, 1.0)
 _CAREFUL = StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0)
+_USUAL = StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002)
+_USUAL_DRIVEN = StepControl(0.42, 2.3, 7.0, 0.03, 6.0, 8.0, 3.0, 0.002)
 _FINEST = StepControl(0.15, 3.0, 4.0, 0.002, 0.005, 100.0, 3.0, 0.02)
 _FINEST_DRIVEN = StepControl(0.06, 3.0, 4.0, 0.001, 0.002, 500.0, 3.0, 0.02)
 
@@ -59,7 +61,7 @@ _PLANS: tuple[_Row, ...] = (  # loosest first
     _Row(1e-3, "ss43", _LOOSE, driven=_CAREFUL, others=_CAREFUL),
     _Row(9e-5, "dp54", StepControl(0.09, 2.2, 7.0, 0.05, 10.0, 1.0)),
     _Row(1e-5, "dp54", StepControl(0.11, 2.2, 7.0, 0.05, 10.0, 1.0)),
-    _Row(1e-7, "dp54", StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002)),
+    _Row(1e-7, "dp54", _USUAL, _USUAL_DRIVEN),
     _Row(1e-10, "dop853", StepControl(1.0, 2.4, 4.5, 0.005, 0.025, 100.0, 3.0, 0.002)),
     _Row(TIGHTEST, "dop853", _FINEST, _FINEST_DRIVEN),
 )

@@ -54,6 +54,15 @@ class Target(BaseModel):
     def has_rsqrt_estimate(self) -> bool:
         return self.has("sse2") or self.has("neon")
 
+    @property
+    def rsqrt_error(self) -> float:
+        """Relative, of the instruction that estimates a reciprocal square root; 0 without one."""
+        if self.has("avx512f"):
+            return 2.0**-14
+        if self.has("sse2"):
+            return 1.5 * 2.0**-12
+        return 2.0**-8 if self.has("neon") else 0.0
+
 
 def load_rows(text: str, source: str) -> dict[str, TargetRow]:
     """Parse a targets file. Raises InputError that names the file and the key."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from generator.scenes.scene import find_scene
 from generator.targets.target import Target
 from generator.variants.lanes import widths_of
+from generator.variants.roots import allows
 from generator.variants.variant import Variant
 
 
@@ -22,6 +23,13 @@ class Rule:
 
 def _euler(test: Callable[[Variant], bool]) -> Callable[[Variant, Target], bool]:
     return lambda v, _target: v.stepper.family == "euler" and test(v)
+
+
+def _exact_roots(v: Variant) -> tuple[str, ...]:
+    """The options that say how an exact kernel makes its roots; a closed form has none."""
+    if v.stepper.family != "exact" or find_scene(v.scene).level:
+        return ()
+    return ("root", "lane_root") if v.width > 1 else ("root",)
 
 
 RULES: tuple[Rule, ...] = (
@@ -157,6 +165,13 @@ RULES: tuple[Rule, ...] = (
         "lane-estimate-needs-hardware",
         "the target has no instruction that estimates a reciprocal square root",
         lambda v, t: v.get("lane_root", "inv") != "inv" and not t.has_rsqrt_estimate,
+    ),
+    Rule(
+        "roots-within-budget",
+        "the root is off by more than the error budget allows: use a finer root or lane_root",
+        lambda v, t: (
+            not all(allows(v.stepper.budget or 0.0, v.model, v[key], t) for key in _exact_roots(v))
+        ),
     ),
     Rule(
         "lanes-of-steps-refine-roots",

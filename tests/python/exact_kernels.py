@@ -16,6 +16,7 @@ from generator.targets.target import Target, find_target
 from generator.timing.bench_tool import ROOT, BenchTool
 from generator.toolchain.build import BuiltLibrary
 from generator.variants.presets import find_preset
+from generator.variants.roots import COARSEST_FIRST, allows
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, Variant, make_variant
 from generator.verification.errors import STATUS, Array, errors_of
@@ -40,11 +41,9 @@ def portable_target() -> Target:
     return portable if host.runs(portable) else host.target
 
 
-def roots_for(budget: float) -> tuple[str, ...]:
-    """Choices of 1/sqrt that are accurate enough for a budget, the cheapest first."""
-    if budget >= 1e-6:
-        return ("est1", "est2", "inv")
-    return ("cubic", "est2", "inv") if budget >= 1e-9 else ("inv",)
+def roots_for(budget: float, model: str, target: Target) -> tuple[str, ...]:
+    """Choices of 1/sqrt that the rules allow for a budget, the coarsest first."""
+    return tuple(code for code in COARSEST_FIRST if allows(budget, model, code, target))
 
 
 def exact_variant(
@@ -54,7 +53,7 @@ def exact_variant(
     target = target or portable_target()
     stepper = Stepper(tableaus_for(budget)[0], budget=budget)
     fma = "fma" if target.has("fma") else "nofma"
-    for choice in (root,) if root else roots_for(budget):
+    for choice in (root,) if root else roots_for(budget, model, target):
         options = {"root": choice, "fma": fma, "compiler": compiler}
         made = make_variant(target.name, "any", model, stepper, 1, **options)
         if broken_rule(made, target) is None:

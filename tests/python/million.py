@@ -60,9 +60,9 @@ class Row:
         self.worst.add(chunk.cases, chunk.kinds, got, chunk.expected)
 
 
-def all_roots(budget: float) -> list[tuple[str, str]]:
+def all_roots(budget: float, model: str, target: Target) -> list[tuple[str, str]]:
     """Compilers and roots to be proved for a budget: each root, and each compiler for the first."""
-    first, *others = roots_for(budget)
+    first, *others = roots_for(budget, model, target)
     return [*((compiler, first) for compiler in COMPILERS), *(("gcc", root) for root in others)]
 
 
@@ -70,7 +70,7 @@ def rows_for(model: str, budgets: tuple[float, ...], target: Target) -> list[Row
     variants = [
         exact_variant(model, budget, compiler, root, target)
         for budget in budgets
-        for compiler, root in all_roots(budget)
+        for compiler, root in all_roots(budget, model, target)
     ]
     moved = partial(conditioning, bench_tool(), model)
     return [
