@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.any.pooltool.dp54.e1m06.x1.cubic.fma
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene any --model pooltool
-// inputs:   sha256 ff14fbdfda8d5157
+// inputs:   sha256 b23faa04c5141ed5
 #include "carom.h"
 
 #include <cmath>
@@ -267,13 +267,13 @@ inline double inverse_of_power(double power) {
 // v_n = 0 and restitution at v_n^2 = e_b^2 (v_n0^2 + 2 J_c) + 2 (J - J_c). A step may pass the first and
 // stops at the second, both found on the step's own interpolant: nothing overshoots.
 
-constexpr double kTolerance = 2.0999999999999997e-07;  // of a step, relative to |v1 - v2|
+constexpr double kTolerance = 4.1999999999999995e-07;  // of a step, relative to |v1 - v2|
 constexpr double kTurn = 2.3;        // scale of steps by the turning of the contact slip
 constexpr double kTable = 7.0;       // scale of steps by the distance of s from zero
-constexpr double kPassage = 0.0167;  // error of a passage of s by zero, in tolerances
-constexpr double kDepart = 3.3;      // error of the first step from rest, in tolerances
+constexpr double kPassage = 0.03;    // error of a passage of s by zero, in tolerances
+constexpr double kDepart = 6.0;      // error of the first step from rest, in tolerances
 constexpr double kTableError = 3.0;  // weight of the errors of table friction
-constexpr double kTail = 6.0;        // weight of the error of the step into sticking
+constexpr double kTail = 8.0;        // weight of the error of the step into sticking
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
