@@ -25,6 +25,7 @@ from generator.scenes.scene import Scene
 from generator.steppers.budgets import StepControl, plan_for
 from generator.steppers.tableaus import Tableau
 from generator.targets.target import Target
+from generator.variants.roots import refined_error
 from generator.variants.variant import Variant
 
 MOST_STEPS = 4000
@@ -202,15 +203,13 @@ def _roots(method: str, target: Target, real: str, lanes: bool) -> tuple[Estimat
     rounding = 2.0**-23 if real == "float" else 2.0**-52
     if method == "cubic":
         found = of(target, 0)
-        error = max(2.5 * found.relative_error**3, rounding)
+        error = max(refined_error(method, found.relative_error), rounding)
         return found, 0, f": {found.text}, then one step of third order, to {error:.0e}"
     steps = int(method[-1])
     found = of(target, steps)
-    error = found.relative_error
-    for _ in range(steps):
-        error = 1.5 * error * error
+    error = max(refined_error(method, found.relative_error), rounding)
     refined = f", then {steps} Newton" if steps else ""
-    return found, steps, f": {found.text}{refined}, to {max(error, rounding):.0e}"
+    return found, steps, f": {found.text}{refined}, to {error:.0e}"
 
 
 def _times(share: object, text: str) -> str:

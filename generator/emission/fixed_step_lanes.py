@@ -8,6 +8,7 @@ from generator.emission.lanes import LaneContext
 from generator.lowering.fixed_step_lanes import CONTACT, LaneLowering
 from generator.lowering.printer import number
 from generator.mechanics.contact import ContactTerms
+from generator.variants.roots import refined_error
 from generator.variants.variant import Variant
 
 BLOCK = 1024  # collisions in a block, about
@@ -89,10 +90,6 @@ def _root_text(root: str, lanes: LaneContext) -> str:
     if root == "inv":
         return ""
     error = lanes.estimate_error
-    if root == "cubic":
-        return f": an estimate to {error:.0e}, then a step of third order to {2.5 * error**3:.0e}"
-    steps = int(root[-1])
-    refined = error
-    for _ in range(steps):
-        refined = 1.5 * refined * refined
-    return f": an estimate to {error:.0e}, then {steps} Newton to {max(refined, 2.0**-52):.0e}"
+    refined = max(refined_error(root, error), 2.0**-52)
+    then = "a step of third order" if root == "cubic" else f"{root[-1]} Newton"
+    return f": an estimate to {error:.0e}, then {then} to {refined:.0e}"

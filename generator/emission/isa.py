@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from generator.targets.target import Target
+from generator.targets.target import FRSQRTE_ERROR, RSQRT14_ERROR, RSQRTSS_ERROR, Target
 
 # Features that compilers take by name in a target pragma, in a fixed order.
 _PRAGMA_FEATURES = (
@@ -76,27 +76,27 @@ def estimate(target: Target, newton: int) -> Estimate:
     """The best scalar estimate that a target has."""
     if target.has("avx512f"):
         line = "return _mm_cvtsd_f64(_mm_rsqrt14_sd(_mm_setzero_pd(), _mm_set_sd(n)));"
-        return Estimate("vrsqrt14sd (2^-14)", (line,), newton, 2.0**-14)
+        return Estimate("vrsqrt14sd (2^-14)", (line,), newton, RSQRT14_ERROR)
     if target.has("sse2"):
         lines = (
             "const __m128 low = _mm_cvtsd_ss(_mm_setzero_ps(), _mm_set_sd(n));",
             "return static_cast<double>(_mm_cvtss_f32(_mm_rsqrt_ss(low)));",
         )
-        return Estimate("rsqrtss (1.5 * 2^-12)", lines, newton, 1.5 * 2.0**-12)
+        return Estimate("rsqrtss (1.5 * 2^-12)", lines, newton, RSQRTSS_ERROR)
     if target.has("neon"):
-        return Estimate("frsqrte (2^-8)", ("return vrsqrted_f64(n);",), newton, 2.0**-8)
+        return Estimate("frsqrte (2^-8)", ("return vrsqrted_f64(n);",), newton, FRSQRTE_ERROR)
     return Estimate("the root itself", ("return 1.0 / std::sqrt(n);",), newton, 2.0**-52)
 
 
 def float_estimate(target: Target, newton: int, lanes: bool = False) -> Estimate:
     """The best estimate in float arithmetic that a target has; `lanes`: that its vectors have."""
     if lanes and target.has("avx512vl"):
-        return Estimate("vrsqrt14ps (2^-14)", (), newton, 2.0**-14)
+        return Estimate("vrsqrt14ps (2^-14)", (), newton, RSQRT14_ERROR)
     if target.has("sse2"):
         line = "return _mm_cvtss_f32(_mm_rsqrt_ss(_mm_set_ss(n)));"
-        return Estimate("rsqrtss (1.5 * 2^-12)", (line,), newton, 1.5 * 2.0**-12)
+        return Estimate("rsqrtss (1.5 * 2^-12)", (line,), newton, RSQRTSS_ERROR)
     if target.has("neon"):
-        return Estimate("frsqrte (2^-8)", ("return vrsqrtes_f32(n);",), newton, 2.0**-8)
+        return Estimate("frsqrte (2^-8)", ("return vrsqrtes_f32(n);",), newton, FRSQRTE_ERROR)
     return Estimate("the root itself", ("return 1.0f / std::sqrt(n);",), newton, 2.0**-23)
 
 

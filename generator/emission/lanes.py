@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from generator.targets.target import Target
+from generator.targets.target import FRSQRTE_ERROR, RSQRT14_ERROR, RSQRTSS_ERROR, Target
 from generator.variants.lanes import Precision, set_for
 
 
@@ -112,9 +112,9 @@ def lane_context(
     """
     wide = 8 if precision == "double" else 16
     rsqrt14 = target.has("avx512vl") or (width == wide and target.has("avx512f"))
-    error = 2.0**-14 if rsqrt14 else 1.5 * 2.0**-12
+    error = RSQRT14_ERROR if rsqrt14 else RSQRTSS_ERROR
     if target.has("neon"):
-        error = 2.0**-8
+        error = FRSQRTE_ERROR
     if target.has("simd128"):
         error = 2.0**-52 if precision == "double" else 2.0**-23  # the root itself
     found = set_for(target, width, precision)

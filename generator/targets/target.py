@@ -10,6 +10,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from generator.errors import InputError
 
+# Relative, of the instructions that estimate a reciprocal square root: AVX-512's, SSE's, NEON's.
+RSQRT14_ERROR, RSQRTSS_ERROR, FRSQRTE_ERROR = 2.0**-14, 1.5 * 2.0**-12, 2.0**-8
+
 
 class TargetRow(BaseModel):
     """One table of targets.toml, as written."""
@@ -54,14 +57,16 @@ class Target(BaseModel):
     def has_rsqrt_estimate(self) -> bool:
         return self.has("sse2") or self.has("neon")
 
-    @property
-    def rsqrt_error(self) -> float:
-        """Relative, of the instruction that estimates a reciprocal square root; 0 without one."""
-        if self.has("avx512f"):
-            return 2.0**-14
+    def rsqrt_error(self, one_float: bool = False) -> float:
+        """Relative, of the instruction that estimates a reciprocal square root; 0 without one.
+
+        `one_float`: of a single float, which kernels leave to SSE with AVX-512 too.
+        """
+        if self.has("avx512f") and not one_float:
+            return RSQRT14_ERROR
         if self.has("sse2"):
-            return 1.5 * 2.0**-12
-        return 2.0**-8 if self.has("neon") else 0.0
+            return RSQRTSS_ERROR
+        return FRSQRTE_ERROR if self.has("neon") else 0.0
 
 
 def load_rows(text: str, source: str) -> dict[str, TargetRow]:

@@ -11,14 +11,15 @@ COARSEST_FIRST = ("est0", "est1", "cubic", "est2", "inv")
 _SHARE, _SHARE_OF_DRIVEN_SLIP = 1 / 3, 1 / 24
 
 
-def root_error(code: str, target: Target) -> float:
-    """Relative error of an exact stepper's inverse root; 0 for sqrt and division."""
-    e = target.rsqrt_error
-    errors = {"est0": e, "est1": 1.5 * e**2, "cubic": 2.5 * e**3, "est2": 1.5 * (1.5 * e**2) ** 2}
+def refined_error(code: str, estimate: float) -> float:
+    """Relative error of a root from an estimate that is off by `estimate`; 0: sqrt and division."""
+    newton = 1.5 * estimate**2
+    errors = {"est0": estimate, "est1": newton, "est2": 1.5 * newton**2, "cubic": 2.5 * estimate**3}
     return errors.get(code, 0.0)
 
 
-def allows(budget: float, model: str, code: str, target: Target) -> bool:
-    """Is a root fine enough for a budget?"""
+def allows(budget: float, model: str, code: str, target: Target, one_float: bool = False) -> bool:
+    """Is an exact stepper's root fine enough for a budget? `one_float`: in one lane, of float."""
     driven = find_model(model).terms.table_slip_point == "top"
-    return root_error(code, target) <= budget * (_SHARE_OF_DRIVEN_SLIP if driven else _SHARE)
+    share = _SHARE_OF_DRIVEN_SLIP if driven else _SHARE
+    return refined_error(code, target.rsqrt_error(one_float)) <= budget * share

@@ -25,11 +25,13 @@ def _euler(test: Callable[[Variant], bool]) -> Callable[[Variant, Target], bool]
     return lambda v, _target: v.stepper.family == "euler" and test(v)
 
 
-def _exact_roots(v: Variant) -> tuple[str, ...]:
-    """The options that say how an exact kernel makes its roots; a closed form has none."""
-    if v.stepper.family != "exact" or find_scene(v.scene).level:
-        return ()
-    return ("root", "lane_root") if v.width > 1 else ("root",)
+def _roots_in_budget(v: Variant, target: Target) -> bool:
+    """Are all roots of an exact kernel fine enough? A closed form has none."""
+    scene, budget = find_scene(v.scene), v.stepper.budget
+    if budget is None or scene.level:
+        return True
+    alone = allows(budget, v.model, v["root"], target, one_float=scene.precision == "float")
+    return alone and (v.width == 1 or allows(budget, v.model, v["lane_root"], target))
 
 
 RULES: tuple[Rule, ...] = (
@@ -169,9 +171,7 @@ RULES: tuple[Rule, ...] = (
     Rule(
         "roots-within-budget",
         "the root is off by more than the error budget allows: use a finer root or lane_root",
-        lambda v, t: (
-            not all(allows(v.stepper.budget or 0.0, v.model, v[key], t) for key in _exact_roots(v))
-        ),
+        lambda v, t: not _roots_in_budget(v, t),
     ),
     Rule(
         "lanes-of-steps-refine-roots",

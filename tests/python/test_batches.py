@@ -6,6 +6,7 @@ from batch_calls import PARAMETERS, BatchFunction, inputs_of
 from exact_kernels import Worst, load_hard
 from kernels import bench_tool, build_all, expected_cases
 
+from generator.choice.modelling import lanes_in_flight
 from generator.errors import KernelError
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -44,7 +45,7 @@ EXACT = (
 FLOATS = (
     ("x86-64-v2", 4, "ss43", 1e-3, {"interleave": "i1", "root": "est1", "fma": "nofma"}),
     ("x86-64-v3", 8, "dp54", 1e-4, {"interleave": "i2", "root": "inv", "fma": "fma"}),
-    ("x86-64-v4", 16, "ss43", 1e-3, {"interleave": "s2", "root": "est0", "fma": "fma"}),
+    ("x86-64-v4", 16, "ss43", 1e-3, {"interleave": "s2", "lane_root": "est0", "fma": "fma"}),
 )
 EQUAL_TABLE = (*PARAMETERS[:3], PARAMETERS[2], *PARAMETERS[4:])  # as `arcade` has it
 
@@ -92,7 +93,7 @@ def kernel(request):
     variant = _mathavan(request.param)
     library = _built(variant)
     parameters = EQUAL_TABLE if request.param in FLOATS else PARAMETERS
-    lanes = variant.width * (2 if variant.paired else variant.vectors)
+    lanes = lanes_in_flight(variant)
     return BatchFunction(library.path, parameters), lanes
 
 

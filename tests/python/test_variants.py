@@ -24,7 +24,7 @@ from generator.emission.kernel_source import emit
 from generator.targets.target import find_target, targets
 from generator.timing.bench_tool import BenchTool
 from generator.toolchain.flags import compile_flags
-from generator.variants.axes import axes_of
+from generator.variants.axes import axes_of, axis
 from generator.variants.names import name_of, source_name_of, variant_of
 from generator.variants.presets import PAPER_PRESETS, PRESETS, find_preset
 from generator.variants.rules import RULES, broken_rule, require_legal
@@ -32,6 +32,7 @@ from generator.variants.variant import Stepper, Variant, make_variant
 from generator.verification.reference import MODELS
 
 TARGETS = ("x86-64-v2", "x86-64-v3")
+ROOTS = axis("root").codes()
 # Cycles in "What the report did"; None: a row that the report describes without a figure.
 REPORT_ROWS = {
     "paper-initial": 46175,
@@ -107,6 +108,35 @@ def test_every_rule_can_be_broken_alone_of_what_comes_before() -> None:
     others = {r.name for r in RULES} - met
     # No target of the registry lacks an estimate; the rule is for one that will.
     assert others <= {"estimate-needs-hardware", "lane-estimate-needs-hardware"}
+
+
+@pytest.mark.parametrize(
+    ("target", "scene", "model", "budget", "fine"),
+    [
+        ("x86-64-v3", "any", "mathavan2014", 1e-6, {"est1", "cubic", "est2", "inv"}),
+        ("x86-64-v3", "any", "pooltool", 1e-6, {"cubic", "est2", "inv"}),  # a kept case: 1.5e-6
+        ("x86-64-v4", "any", "pooltool", 1e-6, {"est1", "cubic", "est2", "inv"}),
+        ("x86-64-v4", "any", "pooltool", 1e-7, {"cubic", "est2", "inv"}),
+        ("x86-64-v4", "any", "mathavan2014", 1e-3, {"est0", "est1", "cubic", "est2", "inv"}),
+        ("x86-64-v4", "arcade", "mathavan2014", 1e-3, {"est1", "cubic", "est2", "inv"}),  # by SSE
+        ("x86-64-v4", "stun", "mathavan2014", 1e-9, {"est0", "est1", "cubic", "est2", "inv"}),
+    ],
+)
+def test_roots_are_as_fine_as_budget_and_model_ask(
+    target: str, scene: str, model: str, budget: float, fine: set[str]
+) -> None:
+    """In single calls and in lanes; what grows with a driven table slip must be finer."""
+    stepper = Stepper("ss43" if budget == 1e-3 else "dp54", budget=budget)
+    base = make_variant(target, scene, model, stepper, 1, root="inv")
+    rules = {code: broken_rule(base.with_options(root=code), find_target(target)) for code in ROOTS}
+    print({code: rule and rule.name for code, rule in rules.items()})
+    assert {code for code, rule in rules.items() if rule is None} == fine
+    assert {rule.name for rule in rules.values() if rule} <= {"roots-within-budget"}
+    if scene == "any":
+        lanes = base.in_lanes(2)
+        for code in ROOTS:
+            broken = broken_rule(lanes.with_options(lane_root=code), find_target(target))
+            assert (broken is None) == (code in fine), code
 
 
 def test_a_refusal_names_the_rule_and_the_reason() -> None:
