@@ -34,6 +34,19 @@ extern "C" int carom_probe_collide(const double*, const double*, const double*, 
 { %s return 0; }
 """
 
+WAKES = """
+#include <chrono>
+using Clock = std::chrono::steady_clock;
+static void idle(long ns) { for (auto from = Clock::now(); (Clock::now() - from).count() < ns;) {} }
+extern "C" int carom_probe_collide(const double*, const double*, const double*, double*, double*) {
+  static Clock::time_point last;
+  if ((Clock::now() - last).count() > 100000) idle(%d);
+  idle(200);
+  last = Clock::now();
+  return 0;
+}
+"""
+
 
 def compiled(folder: Path, name: str, source: str, *flags: str) -> Path:
     library = folder / f"{name}.so"
@@ -181,6 +194,23 @@ def planted(**ns: list[float]) -> TimingRun:
     control = arrays.pop("control")
     series = Measurement(ns=arrays, ticks=arrays, control=control)
     return TimingRun(next(iter(arrays)), len(control), series, None, None, 2.0, 0)
+
+
+def test_blocks_are_timed_warm(tool: BenchTool, tmp_path: Path) -> None:
+    """A kernel that idles for 0.1 ms wherever it was not called for that long costs no more."""
+    built = {k: compiled(tmp_path, k, WAKES % n) for k, n in {"awake": 0, "wakes": 100_000}.items()}
+    plan = TimingPlan(
+        cases=tool.make_cases(1, 4096).rows,
+        kernels=tuple(PlannedKernel(name, path) for name, path in built.items()),
+        baseline="awake",
+        seed_cases=tool.make_cases(2, 5).rows,
+        rounds=60,
+        seconds=5,
+        block_ms=0.5,
+    )
+    wakes = {result.name: result for result in timing_results(tool.time(plan))}["wakes"]
+    print(wakes)
+    assert 0.9 < wakes.ratio < 1.1  # cold it would be 1.2
 
 
 def test_ties_need_the_band_or_the_interval() -> None:
