@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -26,7 +27,6 @@ from generator.sweep.space import Contest, Space, variant_of_subject
 from generator.sweep.station import BASELINE_STEPS
 from generator.targets.target import Target
 from generator.variants.axes import axes_of
-from generator.variants.rules import broken_rule
 from generator.variants.variant import Variant
 
 FINAL_RESERVE = 60.0  # seconds of the budget kept for a contest's last wave and its final
@@ -54,15 +54,16 @@ class Plan:
 
 
 def held_options(contest: Contest, target: Target) -> dict[str, tuple[str, ...]]:
-    """What is not varied in a contest of batches: options of the loop for a single collision.
+    """What is not varied in a contest of batches: options of single collisions alone.
 
     They are those of the kernel that is used before anything was timed, so that a record of a batch
     does not depend on what was chosen for single calls.
     """
-    if contest.call == "scalar" or contest.steps is None:
+    if contest.call == "scalar":
         return {}
-    first = default_kernel(target, contest.scene, contest.model, Goal(steps=contest.steps))
-    alone = [axis.key for axis in axes_of("euler") if axis.family == "euler" and not axis.lanes]
+    goal = Goal(steps=contest.steps, budget=contest.budget)
+    first, family = default_kernel(target, contest.scene, contest.model, goal), contest.family
+    alone = [axis.key for axis in axes_of(family) if axis.family == family and not axis.lanes]
     return {key: (first[key],) for key in alone}
 
 
@@ -121,15 +122,13 @@ def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
 def _seeds_in_lanes(plan: Plan, contest: Contest) -> list[Variant]:
     """The kernels used before anything was timed, as the main job puts them in lanes.
 
-    Exact ones with the root that has won in all lanes so far, where the target has it.
+    One of each stepper in turn.
     """
     goal = Goal(steps=contest.steps, budget=contest.budget)
     first = default_kernel(plan.target, contest.scene, contest.model, goal)
-    if contest.steps is None:
-        faster = first.with_options(root="est1")
-        first = first if broken_rule(faster, plan.target) else faster
     singles = [replace(first, stepper=stepper) for stepper in contest.steppers()]
-    return [v for one in singles for v in batch_candidates(one, plan.target, plan.compilers)]
+    each = (batch_candidates(one, plan.target, plan.compilers) for one in singles)
+    return [v for some in itertools.zip_longest(*each) for v in some if v is not None]
 
 
 def run_sweep(

@@ -434,10 +434,10 @@ def test_a_budget_of_trials_is_kept_to_the_trial_and_shared_by_the_contests(
     tmp_path: Path,
 ) -> None:
     with opened(tmp_path / "s.sqlite") as store:
-        outcomes, _ = swept(store, FakeLab(), plan(EXACT, FIXED, trials=61))
+        outcomes, _ = swept(store, FakeLab(), plan(EXACT, FIXED, trials=41))
     tried = [o.exploration.tried for o in outcomes]
     print(f"tried {tried}")
-    assert tried[0] + tried[1] == 61 and abs(tried[0] - tried[1]) <= 1
+    assert tried[0] + tried[1] == 41 and abs(tried[0] - tried[1]) <= 1
 
 
 def test_a_budget_of_minutes_ends_a_sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
