@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from random import Random
@@ -16,6 +17,7 @@ from generator.variants.names import name_of
 from generator.variants.rules import Rule, broken_rule
 from generator.variants.variant import Stepper, Variant, make_variant
 
+_FEW = 3000  # combinations that are all looked at before one is drawn
 _DRAWS = 20_000  # about a tenth of all combinations are legal
 
 
@@ -129,6 +131,9 @@ class Space:
         """A legal variant at random, with some options as given; None where none was found."""
         if not all(codes for width in self.widths for _, codes in self.axes(width)):
             return None
+        if self._combinations() <= _FEW:
+            legal = [v for v in self.everything() if fixed.items() <= dict(v.options).items()]
+            return random.choice(legal) if legal else None
         for _ in range(_DRAWS):
             stepper, width = random.choice(self.contest.steppers()), random.choice(self.widths)
             options = tuple(
@@ -139,6 +144,11 @@ class Space:
             if self.broken(variant) is None:
                 return variant
         return None
+
+    def _combinations(self) -> int:
+        """Legal ones and others."""
+        of_widths = sum(math.prod(len(c) for _, c in self.axes(width)) for width in self.widths)
+        return len(self.contest.steppers()) * of_widths
 
     def _variant(
         self, stepper: Stepper, width: int, options: tuple[tuple[str, str], ...]
