@@ -46,7 +46,7 @@ class SceneCost:
 def kernel_of(target: Target, scene: str, budget: float) -> Variant:
     """The kernel that is compared: the default one, with estimated roots where the target has any.
 
-    Roots are of one Newton step, which is exact enough for every budget from 1e-6 on.
+    Roots are of one Newton step for budgets from 1e-6 on, where the rules allow that.
     """
     model = find_scene(scene).model
     made = default_kernel(target, scene, model, Goal(budget=budget))
