@@ -68,8 +68,10 @@ void Comparison::round(std::size_t number) {
     const std::size_t i = number % 2 == 0 ? k : entrants_.size() - 1 - k;
     const bool shares = series_[i].window == shared.size;
     const Window window = shares ? shared : workload_->around(shared, series_[i].window);
-    // After the others' code and data: a quarter of the block untimed, so that it is timed warm.
-    block(entrants_[i], {window.start, std::max(workload_->smallest(), window.size / 4)});
+    // After the others' code and data: a quarter of the block untimed, so that it is timed warm; of
+    // other cases, so that their branches are not learned.
+    const std::size_t some = std::max(workload_->smallest(), window.size / 4);
+    block(entrants_[i], workload_->rotating((window.start + window.size) / some, some));
     const Spent spent = block(entrants_[i], window);
     series_[i].ns.push_back(spent.ns / static_cast<double>(window.size));
     series_[i].ticks.push_back(spent.ticks / static_cast<double>(window.size));

@@ -34,6 +34,7 @@ from generator.targets.target import Target
 
 BUILD_SHARE = 1 / 64
 _POLL = 0.5  # seconds between two looks at which workers there are
+_FETCH = 10.0  # seconds to get the result of a job that is done
 
 
 class ClusterLab(StationLab):
@@ -164,8 +165,11 @@ class ClusterLab(StationLab):
                     number = todo.pop(0)
                     pending.update([self._sent(function, number, payloads[number], share, able)])
                 for future in _finished(pending):
+                    try:
+                        result = self._result(future)
+                    except TimeoutError:
+                        continue  # its worker was lost with it: the job waits for another one
                     number = pending.pop(future).number
-                    result = self._result(future)
                     if isinstance(result, Impostor):
                         todo.append(number)
                     else:
@@ -197,8 +201,9 @@ class ClusterLab(StationLab):
         return future, _Sent(number, workers)
 
     def _result(self, future: Future) -> Any:
+        """What a worker made. TimeoutError where it does not come: lost, after it was done."""
         try:
-            address, result = future.result()
+            address, result = future.result(timeout=_FETCH)
         except KilledWorker as error:
             raise KernelError(
                 f"--scheduler: a job lost every worker it was given: {error}"

@@ -20,7 +20,7 @@ pytest.importorskip("distributed", reason="the extra `cluster` is not installed"
 
 from click.testing import CliRunner
 from cluster_worker import told
-from distributed import Client, LocalCluster
+from distributed import Client, Future, LocalCluster
 from kernels import ROOT
 from sweep_lab import ZEN3, plan, swept
 
@@ -198,6 +198,25 @@ def test_workers_that_are_all_lost_end_a_sweep_that_keeps_what_it_has(pool: Pool
     with opened(path) as store:
         swept(store, lab(pool), ASKED)  # type: ignore[arg-type]
     assert tried(path) == Counter(FEW["rsqrt"])
+
+
+def test_a_result_that_does_not_come_is_waited_for_again(
+    pool: Pool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A worker may be lost between its job's end and the fetching of what it made."""
+    pool.worker("only", announces="zen3", is_really="zen3")
+    used, path, late = lab(pool), pool.folder / "s.sqlite", iter([True, True])
+    fetch = used._result
+
+    def slow(future: Future) -> object:
+        if next(late, False):
+            raise TimeoutError
+        return fetch(future)
+
+    monkeypatch.setattr(used, "_result", slow)
+    with opened(path) as store:
+        swept(store, used, ASKED)  # type: ignore[arg-type]
+    assert next(late, None) is None and tried(path) == Counter(FEW["rsqrt"])
 
 
 def busy(name: str, seconds: float) -> tuple[str, float, float]:
