@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -206,6 +207,8 @@ def test_ctrl_c_at_a_terminal_ends_a_sweep_cleanly(tmp_path: Path) -> None:
         stderr=sub,
         env={**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm", "COLUMNS": "120"},
         start_new_session=True,
+        # What was started in the background ignores it.
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
     )
     os.close(sub)
     shown = b""
