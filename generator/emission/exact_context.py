@@ -21,6 +21,7 @@ from generator.lowering.printer import number
 from generator.mechanics import symbols as s
 from generator.mechanics.contact import ContactTerms
 from generator.mechanics.masses import Masses, masses_of, pressed_changes
+from generator.mechanics.reduced import drives_its_slip
 from generator.scenes.scene import Scene
 from generator.steppers.budgets import StepControl, plan_for
 from generator.steppers.tableaus import Tableau
@@ -243,13 +244,14 @@ def _pressed_context(
     real, table = scene.precision, scene.table_friction
     changes = pressed_changes(terms, masses)
     k_b, k_f = changes[s.S2Y].coeff(s.D_Z), changes[s.S2X].coeff(s.T2X)
-    plan = plan_for(variant.stepper.budget, variant.stepper.name, driven=float(k_f) < 0)
+    plan = plan_for(variant.stepper.budget, variant.stepper.name, drives_its_slip(terms))
     drive, recoil = changes[s.S2Y].coeff(s.DQ), -changes[s.S2X].coeff(s.D_X)
     k_z = float(changes[s.C_Z].coeff(s.D_Z))
     root = variant["lane_root" if lanes else "root"]
     found, newton, text = _roots(root, target, real, lanes)
     ends = CollisionEnds(terms, masses_of(scene.mass_ratio), at_zero(scene), fma, lanes)
-    gains = real == "float" or plan.budget < 1e-10
+    floats = real == "float"
+    gains = floats or plan.budget < 1e-10
     slips = SLIPS_BEFORE if table else ("c_x", "c_z", "v_n")
     resting = ("s2x", "s2y") if scene.object_ball == "rest" else ()
     if scene.level:
@@ -268,7 +270,7 @@ def _pressed_context(
         split_roots=split_roots,
         coarse=found.relative_error > 1e-3,
         root_text=text,
-        tiny_square="1e-24" if real == "float" else "1e-36",
+        tiny_square="1e-24" if floats else "1e-36",
         before=ends.slips(n for n in slips if n not in resting).lines,
         relative=ends.relative("" if scene.bounded else "per_scale").lines,
         after=(ends.velocities() if table else ends.free_velocities()).lines,
@@ -303,9 +305,9 @@ def _pressed_context(
         tail_t_y=_times(changes[s.V_N].coeff(s.T2Y), "t_tail_y"),
         slip_names=tuple(SLIPS) if table else CONTACT,
         impulse_names=tuple(IMPULSES) if table else RUBBING,
-        tiny_error=1e-36 if real == "float" else 1e-72,
-        no_friction=1e-9 if real == "float" else 0.0,
-        tiny_friction=1e-9 if real == "float" else 1e-36,
+        tiny_error=1e-36 if floats else 1e-72,
+        no_friction=1e-9 if floats else 0.0,
+        tiny_friction=1e-9 if floats else 1e-36,
         gains=gains,
         scaled=not scene.bounded,
         one_table=scene.one_table,

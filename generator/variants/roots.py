@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from generator.mechanics.reduced import drives_its_slip
 from generator.scenes.models import find_model
 from generator.targets.target import Target
 
@@ -20,6 +21,6 @@ def refined_error(code: str, estimate: float) -> float:
 
 def allows(budget: float, model: str, code: str, target: Target, one_float: bool = False) -> bool:
     """Is an exact stepper's root fine enough for a budget? `one_float`: in one lane, of float."""
-    driven = find_model(model).terms.table_slip_point == "top"
+    driven = drives_its_slip(find_model(model).terms)
     share = _SHARE_OF_DRIVEN_SLIP if driven else _SHARE
     return refined_error(code, target.rsqrt_error(one_float)) <= budget * share
