@@ -4,12 +4,30 @@
 
 #include <array>
 #include <cstddef>
+#include <new>
 #include <vector>
 
 #include "case_rows.h"
 #include "kernel_library.h"
 
 namespace carom_bench {
+
+/// Allocates whole cache lines: a vector of doubles that straddles two costs a lane kernel up to 4
+/// %, and where malloc puts an array differs by process.
+template <class T>
+struct CacheLines {
+  using value_type = T;
+  static constexpr std::align_val_t kLine{64};
+
+  CacheLines() = default;
+  template <class U>
+  explicit CacheLines(const CacheLines<U>& /*other*/) {}
+
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kLine)); }
+  void deallocate(T* p, std::size_t /*n*/) { ::operator delete(p, kLine); }
+  bool operator==(const CacheLines& /*other*/) const { return true; }
+  bool operator!=(const CacheLines& /*other*/) const { return false; }
+};
 
 /// Collisions that share all parameters but u_b, with room for what comes out.
 class Batch {
@@ -31,7 +49,7 @@ class Batch {
   void alias();
 
  private:
-  using Column = std::vector<double>;
+  using Column = std::vector<double, CacheLines<double>>;
 
   const Column& outcome_column(std::size_t k) const;
 

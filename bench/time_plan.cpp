@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,6 +13,7 @@
 #include "case_rows.h"
 #include "clock.h"
 #include "commands.h"
+#include "core_watch.h"
 #include "kernel_library.h"
 #include "timing.h"
 #include "workload.h"
@@ -25,6 +28,8 @@ constexpr std::size_t kUnit = 16;  // cases in the smallest window
 constexpr std::size_t kSeedRounds =
     1024;  // orders of the seed cases, as a predictor must not learn
 constexpr std::uint64_t kSeed = 20140158;
+constexpr double kPatience = 0.5;  // of the seconds: as long it goes on for a core that is alone
+constexpr double kMostly = 0.8;    // of a round's blocks had the core alone: it was quiet
 
 struct PlannedKernel {
   std::string name, library;
@@ -85,7 +90,7 @@ struct Measured {
 };
 
 Measured compare(const Plan& plan, const Libraries& libraries, std::vector<std::size_t> kernels,
-                 bool latency, Workload* workload) {
+                 bool latency, Workload* workload, CoreWatch* core) {
   std::vector<Entrant> entrants;
   std::size_t baseline = 0;
   for (std::size_t k : kernels) {
@@ -95,8 +100,8 @@ Measured compare(const Plan& plan, const Libraries& libraries, std::vector<std::
                                               : Mode::kThroughput;
     entrants.push_back({plan.kernels[k].name, libraries[k].get(), mode});
   }
-  auto comparison =
-      std::make_unique<Comparison>(std::move(entrants), baseline, workload, plan.block_ms * 1e6);
+  auto comparison = std::make_unique<Comparison>(std::move(entrants), baseline, workload, core,
+                                                 plan.block_ms * 1e6);
   return {std::move(kernels), std::move(comparison)};
 }
 
@@ -117,13 +122,39 @@ std::vector<std::size_t> latency_kernels(const Plan& plan) {
   return wanted ? kernels : std::vector<std::size_t>();
 }
 
-// Rounds done until the plan's rounds or seconds are used up.
-std::size_t run_rounds(const Plan& plan, const std::vector<Measured*>& all) {
+bool is_quiet(std::size_t round, const std::vector<Measured*>& all, const CoreWatch& core) {
+  std::size_t alone = 0, blocks = 0;
+  for (const Measured* each : all) {
+    for (const Series& series : each->comparison->series()) {
+      alone += core.alone(series.looks[round]) ? 1 : 0;
+      ++blocks;
+    }
+  }
+  return static_cast<double>(alone) >= kMostly * static_cast<double>(blocks);
+}
+
+// By the least look until now, so that what it says of earlier rounds may change.
+std::vector<bool> quiet_rounds(std::size_t rounds, const std::vector<Measured*>& all,
+                               const CoreWatch& core) {
+  std::vector<bool> quiet;
+  for (std::size_t round = 0; round < rounds; ++round) quiet.push_back(is_quiet(round, all, core));
+  return quiet;
+}
+
+// Rounds done until the plan's rounds or seconds are used up. Beyond its rounds it goes on until so
+// many were quiet, as long as the patience lasts.
+std::size_t run_rounds(const Plan& plan, const std::vector<Measured*>& all, const CoreWatch& core) {
   const Stopwatch watch;
   std::size_t round = 0;
-  while (round < plan.rounds && (round == 0 || watch.spent().ns < plan.seconds * 1e9)) {
+  const auto wanted = [&] {
+    const double share = watch.spent().ns / (plan.seconds * 1e9);
+    if (round < plan.rounds) return round == 0 || share < 1;
+    if (share >= kPatience) return false;
+    const std::vector<bool> quiet = quiet_rounds(round, all, core);
+    return std::count(quiet.begin(), quiet.end(), true) < static_cast<std::ptrdiff_t>(plan.rounds);
+  };
+  for (; wanted(); ++round) {
     for (Measured* each : all) each->comparison->round(round);
-    ++round;
   }
   return round;
 }
@@ -132,6 +163,7 @@ Json series_json(const std::string& name, const Series& series) {
   return {{"name", name},
           {"window", series.window},
           {"ns_per_collision", series.ns},
+          {"looks", series.looks},
           {"tsc_cycles_per_collision", series.ticks}};
 }
 
@@ -177,26 +209,28 @@ void time_plan(const Time& options) {
   const Plan plan = read_plan(options.plan);
   const Libraries libraries = open_libraries(plan);
   const int cpu = pin_to_one_cpu();
+  CoreWatch core(kPatience * plan.seconds * 1e9);
   Workload mixed(shuffled(read_case_rows(plan.cases), kSeed), kUnit);
   std::unique_ptr<Workload> seeds;
-  Measured throughput = compare(plan, libraries, all_kernels(plan), false, &mixed);
+  Measured throughput = compare(plan, libraries, all_kernels(plan), false, &mixed, &core);
   Measured latency, seed_cases;
   const std::vector<std::size_t> fed = latency_kernels(plan);
-  if (!fed.empty()) latency = compare(plan, libraries, fed, true, &mixed);
+  if (!fed.empty()) latency = compare(plan, libraries, fed, true, &mixed, &core);
   if (!plan.seed_cases.empty()) {
     const std::vector<CaseRow> rows = read_case_rows(plan.seed_cases);
     seeds =
         std::make_unique<Workload>(shuffled_again_and_again(rows, kSeedRounds, kSeed), rows.size());
-    seed_cases = compare(plan, libraries, all_kernels(plan), false, seeds.get());
+    seed_cases = compare(plan, libraries, all_kernels(plan), false, seeds.get(), &core);
   }
   std::vector<Measured*> all;
   for (Measured* each : {&throughput, &latency, &seed_cases}) {
     if (each->comparison) all.push_back(each);
   }
-  const std::size_t rounds = run_rounds(plan, all);
+  const std::size_t rounds = run_rounds(plan, all, core);
   write_json(options.result, {{"schema", 1},
                               {"cpu", cpu},
                               {"rounds", rounds},
+                              {"quiet", quiet_rounds(rounds, all, core)},
                               {"cases", mixed.size()},
                               {"baseline", plan.baseline},
                               {"tsc_ghz", tsc_ghz()},

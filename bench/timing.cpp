@@ -4,12 +4,26 @@
 #include <utility>
 
 namespace carom_bench {
+namespace {
+
+// Calls with the stack lower by `bytes`.
+template <class Call>
+__attribute__((noinline)) Spent displaced(std::size_t bytes, const Call& call) {
+  volatile char* const unused = static_cast<char*>(__builtin_alloca(bytes + 1));
+  unused[0] = 0;
+  const Spent spent = call();
+  unused[bytes] = 0;
+  return spent;
+}
+
+}  // namespace
 
 Comparison::Comparison(std::vector<Entrant> entrants, std::size_t baseline, Workload* workload,
-                       double block_ns)
+                       CoreWatch* core, double block_ns)
     : entrants_(std::move(entrants)),
       baseline_(baseline),
       workload_(workload),
+      core_(core),
       block_ns_(block_ns) {
   entrants_.push_back(entrants_.at(baseline));
   series_.resize(entrants_.size());
@@ -17,6 +31,10 @@ Comparison::Comparison(std::vector<Entrant> entrants, std::size_t baseline, Work
 }
 
 Spent Comparison::block(const Entrant& entrant, const Window& window) {
+  return displaced(64 * (stack_() % 64), [&] { return called(entrant, window); });
+}
+
+Spent Comparison::called(const Entrant& entrant, const Window& window) {
   switch (entrant.mode) {
     case Mode::kBatch:
       return workload_->batch(entrant.library->batch(), window);
@@ -68,11 +86,13 @@ void Comparison::round(std::size_t number) {
     const std::size_t i = number % 2 == 0 ? k : entrants_.size() - 1 - k;
     const bool shares = series_[i].window == shared.size;
     const Window window = shares ? shared : workload_->around(shared, series_[i].window);
+    const double before = core_->wait();
     // After the others' code and data: a quarter of the block untimed, so that it is timed warm; of
     // other cases, so that their branches are not learned.
     const std::size_t some = std::max(workload_->smallest(), window.size / 4);
     block(entrants_[i], workload_->rotating((window.start + window.size) / some, some));
     const Spent spent = block(entrants_[i], window);
+    series_[i].looks.push_back(std::max(before, core_->look()));
     series_[i].ns.push_back(spent.ns / static_cast<double>(window.size));
     series_[i].ticks.push_back(spent.ticks / static_cast<double>(window.size));
   }

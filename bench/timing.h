@@ -3,10 +3,12 @@
 #define CAROM_BENCH_TIMING_H_
 
 #include <cstddef>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "clock.h"
+#include "core_watch.h"
 #include "kernel_library.h"
 #include "workload.h"
 
@@ -24,7 +26,8 @@ struct Entrant {
 /// What was measured of an entrant: per round, for one collision.
 struct Series {
   std::vector<double> ns, ticks;
-  std::size_t window = 0;  ///< collisions in a block
+  std::vector<double> looks;  ///< at the core, the worse of before and after a block
+  std::size_t window = 0;     ///< collisions in a block
 };
 
 /// Entrants that are timed in every round. The baseline is timed twice a round, the second time as
@@ -32,12 +35,13 @@ struct Series {
 class Comparison {
  public:
   /// `baseline` is an index of `entrants`; `block_ns` is what a block should take. Calibrates,
-  /// which warms up. The workload must outlive this.
+  /// which warms up. The workload and the watch must outlive this.
   Comparison(std::vector<Entrant> entrants, std::size_t baseline, Workload* workload,
-             double block_ns);
+             CoreWatch* core, double block_ns);
 
   /// A block of each entrant, from first to last in even rounds, from last to first in odd ones.
-  /// Each is warmed up before it, untimed: what is wanted is the time of many collisions in a row.
+  /// Each waits for the core to be alone, and is warmed up, untimed: what is wanted is the time of
+  /// many collisions in a row.
   /// Entrants that need at least a quarter of the baseline's block take the baseline's window of
   /// cases; faster ones take a longer window around it.
   void round(std::size_t number);
@@ -47,7 +51,10 @@ class Comparison {
   const std::vector<Series>& series() const { return series_; }
 
  private:
+  /// Each time at another place of the stack: how it lies to the constants and arrays, whose
+  /// addresses may look the same by their last 12 bits, is worth 4 % and differs by process.
   Spent block(const Entrant& entrant, const Window& window);
+  Spent called(const Entrant& entrant, const Window& window);
   double least_of_blocks(const Entrant& entrant, const Window& window);  // ns
   double ns_per_collision(const Entrant& entrant);
   void calibrate();
@@ -56,7 +63,9 @@ class Comparison {
   std::vector<Series> series_;
   std::size_t baseline_;
   Workload* workload_;
+  CoreWatch* core_;
   double block_ns_;
+  std::minstd_rand stack_;
 };
 
 }  // namespace carom_bench

@@ -24,7 +24,7 @@ from generator.variants.variant import Variant
 
 WAVE = 8
 _CANDIDATES = 256  # that are kept in memory, each with its text
-TRIAL_SECONDS = 20.0  # a timing ends then, whatever its rounds
+TRIAL_SECONDS = 8.0  # a timing ends then, whatever its rounds; half of it may be waiting
 
 
 @dataclass(frozen=True)

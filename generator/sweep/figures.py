@@ -36,6 +36,7 @@ def times_of(run: TimingRun, name: str) -> Times:
         control=(rounded(control[0]), rounded(control[1])),
         baseline_ns=rounded(float(np.median(base))),
         rounds=run.rounds,
+        quiet=rounded(run.quiet),
         ratios=tuple(rounded(float(r)) for r in run.throughput.ns[name] / base),
     )
 

@@ -11,6 +11,7 @@ from generator.variants.variant import Variant
 RUNGS = (24, 96, 384)  # rounds of a timing
 KEPT = 4  # the best one in so many goes to the next rung
 FINALISTS = 32
+_QUIET = 0.5  # share of a timing's rounds
 _PLAUSIBLE = 1.05  # what may still be the fastest: up to so much over the best seen
 
 
@@ -37,9 +38,15 @@ class Entry:
 
     @property
     def low(self) -> float:
-        """The lower end of the ratio's interval."""
-        assert self.last.times is not None
-        return self.last.times.ratio_ci[0]
+        """The lower end of the ratio's interval.
+
+        0 where the shortest timing had other work beside it on the core: the interval tells nothing
+        of what that costs, and a longer timing comes at another moment.
+        """
+        times = self.last.times
+        assert times is not None
+        disturbed = self.rung == 0 and times.quiet is not None and times.quiet < _QUIET
+        return 0.0 if disturbed else times.ratio_ci[0]
 
 
 def eligible(entry: Entry) -> bool:

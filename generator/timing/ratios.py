@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import binom
 
 from generator.errors import KernelError
@@ -14,8 +15,10 @@ from generator.timing.plan import Array
 
 CONFIDENCE = 0.95
 LEAST_BAND = 0.005  # the A/A band is never narrower than this to either side
+QUIET_ROUNDS = 8  # fewer than that tell less than all rounds do
 
 Interval = tuple[float, float]
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class TimingRun:
-    """Everything that carom_bench measured."""
+    """What carom_bench measured, in the rounds that count."""
 
     baseline: str
     rounds: int
@@ -53,6 +56,7 @@ class TimingRun:
     tsc_ghz: float
     cpu: int  # the CPU that the thread was kept on, or -1
     core_ghz: float = 0.0  # the core's clock after it; 0: not known
+    quiet: float = 1.0  # share of the rounds in which nothing else worked on the core
 
 
 def median_interval(values: Array, confidence: float = CONFIDENCE) -> Interval:
@@ -67,33 +71,50 @@ def median_interval(values: Array, confidence: float = CONFIDENCE) -> Interval:
     return float(ordered[left_out]), float(ordered[len(ordered) - 1 - left_out])
 
 
-def _measurement(document: dict[str, Any] | None) -> Measurement | None:
+def _counting(quiet: Flags) -> Flags:
+    """The rounds that count: the quiet ones, or all where those are too few.
+
+    Another thread of the core takes a fifth to a half more of a kernel's time, and not the same of
+    each kernel, so that rounds beside one and the others have no common median.
+    """
+    enough = quiet.sum() >= min(QUIET_ROUNDS, len(quiet))
+    return quiet if enough else np.full(len(quiet), True)
+
+
+def _measurement(document: dict[str, Any] | None, counting: Flags) -> Measurement | None:
     if document is None:
         return None
+
+    def rounds(series: dict[str, Any], key: str) -> Array:
+        return np.array(series[key])[counting]
+
     kernels = document["kernels"]
     return Measurement(
-        ns={k["name"]: np.array(k["ns_per_collision"]) for k in kernels},
-        ticks={k["name"]: np.array(k["tsc_cycles_per_collision"]) for k in kernels},
-        control=np.array(document["control"]["ns_per_collision"]),
+        ns={k["name"]: rounds(k, "ns_per_collision") for k in kernels},
+        ticks={k["name"]: rounds(k, "tsc_cycles_per_collision") for k in kernels},
+        control=rounds(document["control"], "ns_per_collision"),
     )
 
 
 def timing_run(document: dict[str, Any]) -> TimingRun:
     """carom_bench's result. Raises KernelError if it is not complete."""
     try:
-        throughput = _measurement(document["throughput"])
+        quiet = np.array(document.get("quiet", [True] * document["rounds"]))
+        counting = _counting(quiet)
+        throughput = _measurement(document["throughput"], counting)
         if throughput is None:
             raise KeyError("throughput")
         names = list(throughput.ns)
         return TimingRun(
             baseline=names[document["baseline"]],
-            rounds=document["rounds"],
+            rounds=int(counting.sum()),
             throughput=throughput,
-            latency=_measurement(document["latency"]),
-            seed_cases=_measurement(document["seed_cases"]),
+            latency=_measurement(document["latency"], counting),
+            seed_cases=_measurement(document["seed_cases"], counting),
             tsc_ghz=document["tsc_ghz"],
             cpu=document["cpu"],
             core_ghz=document.get("core_ghz", 0.0),
+            quiet=float(quiet[counting].mean()),
         )
     except (KeyError, IndexError, TypeError) as error:
         raise KernelError(f"the timing's result is not complete: {error}") from None
@@ -110,7 +131,8 @@ def joined(runs: Sequence[TimingRun]) -> TimingRun:
         control=np.concatenate([r.throughput.control for r in runs]),
     )
     rounds = sum(run.rounds for run in runs)
-    return TimingRun(first.baseline, rounds, throughput, None, None, first.tsc_ghz, -1)
+    quiet = sum(run.quiet * run.rounds for run in runs) / rounds
+    return TimingRun(first.baseline, rounds, throughput, None, None, first.tsc_ghz, -1, quiet=quiet)
 
 
 def control_band(run: TimingRun) -> Interval:

@@ -154,6 +154,26 @@ def test_who_may_be_the_fastest_by_its_interval_is_timed_for_longer() -> None:
     assert promoted(sure, 0) == sure[:2]
 
 
+def test_who_was_timed_beside_other_work_is_timed_once_more() -> None:
+    """By its interval none of these may be the fastest, but one had not the core for itself."""
+
+    def entry(name: str, ratio: float, quiet: float | None, rungs: int) -> Entry:
+        variant = next(space(SMALLER).everything())
+        trials = [timed_trial(ratio, rung, state=name) for rung in range(rungs)]
+        for i, made in enumerate(trials):
+            assert made.times is not None
+            times = made.times.model_copy(update={"quiet": quiet})
+            trials[i] = made.model_copy(update={"times": times})
+        return Entry(variant, trials)
+
+    best = [entry(f"best{i}", 0.1 + i / 1000, 1.0, 2) for i in range(4)]
+    slow = [entry("quiet", 0.14, 1.0, 1), entry("old", 0.14, None, 1)]
+    disturbed = entry("disturbed", 0.14, 0.1, 1)
+    assert promoted([*best, *slow, disturbed], 0) == [disturbed]
+    again = entry("again", 0.14, 0.1, 2)  # the longer timing is believed as it is
+    assert again not in promoted([*best, *slow, again], 1)
+
+
 def test_a_choice_can_be_timed_against_the_kernels_of_another_store(tmp_path: Path) -> None:
     """As against those of an exhaustive sweep, of which the first one saw a part."""
     slow = plan(FIXED, only={**SMALLER, "rsqrt": ("inv",)}, exhaustive=True)

@@ -196,6 +196,39 @@ def planted(**ns: list[float]) -> TimingRun:
     return TimingRun(next(iter(arrays)), len(control), series, None, None, 2.0, 0)
 
 
+def measured(quiet: list[bool]) -> TimingRun:
+    """What the bench says of a kernel that takes 100 ns, and 150 beside another thread."""
+    rounds = [100.0 if alone else 150.0 for alone in quiet]
+    series = {"ns_per_collision": rounds, "tsc_cycles_per_collision": rounds}
+    throughput = {"kernels": [{"name": "kernel", **series}], "control": series}
+    none = {"latency": None, "seed_cases": None}
+    return timing_run(
+        {"throughput": throughput, **none, "baseline": 0, "rounds": len(rounds), "quiet": quiet}
+        | {"tsc_ghz": 2.0, "cpu": 0}
+    )
+
+
+def test_rounds_beside_other_work_do_not_count_where_eight_were_quiet() -> None:
+    for quiet, counting, ns in ((8, 8, 100), (7, 24, 150), (24, 24, 100)):
+        run = measured([True] * quiet + [False] * (24 - quiet))
+        [result] = timing_results(run)
+        print(f"{quiet} of 24 quiet: {run.rounds} rounds, {result.ns} ns, quiet {run.quiet:.2f}")
+        assert (run.rounds, result.ns) == (counting, ns)
+        assert run.quiet == pytest.approx(quiet / counting)
+
+
+def test_the_bench_says_which_rounds_were_quiet(tool: BenchTool, tmp_path: Path) -> None:
+    """It goes on until as many were as are asked for, within half of its time, and no longer."""
+    library = compiled(tmp_path, "idles", WAKES % 0)
+    cases = tool.make_cases(1, 4096).rows
+    plan = TimingPlan(cases, (PlannedKernel("k", library),), "k", rounds=20, seconds=4)
+    document = tool.timing_document(plan)
+    quiet = document["quiet"]
+    print(f"{sum(quiet)} of {len(quiet)} rounds quiet; asked for {plan.rounds}")
+    assert len(quiet) == document["rounds"] == len(document["throughput"]["control"]["looks"])
+    assert sum(quiet) <= plan.rounds <= len(quiet)
+
+
 def test_blocks_are_timed_warm(tool: BenchTool, tmp_path: Path) -> None:
     """A kernel that idles for 0.1 ms wherever it was not called for that long costs no more."""
     built = {k: compiled(tmp_path, k, WAKES % n) for k, n in {"awake": 0, "wakes": 100_000}.items()}
