@@ -11,7 +11,7 @@ from generator.variants.variant import Variant
 RUNGS = (24, 96, 384)  # rounds of a timing
 KEPT = 4  # the best one in so many goes to the next rung
 FINALISTS = 32
-_QUIET = 0.5  # share of a timing's rounds
+QUIET = 0.5  # share of a timing's rounds
 _PLAUSIBLE = 1.05  # what may still be the fastest: up to so much over the best seen
 
 
@@ -45,7 +45,7 @@ class Entry:
         """
         times = self.last.times
         assert times is not None
-        disturbed = self.rung == 0 and times.quiet is not None and times.quiet < _QUIET
+        disturbed = self.rung == 0 and times.quiet is not None and times.quiet < QUIET
         return 0.0 if disturbed else times.ratio_ci[0]
 
 
