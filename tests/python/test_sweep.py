@@ -22,7 +22,7 @@ import generator.variants.axes as axes_module
 from generator.cli.interrupts import kept
 from generator.errors import InputError, KernelCrash
 from generator.sweep.finals import NEGLIGIBLE, beaten_by, row_of
-from generator.sweep.ladder import KEPT, RUNGS, Entry, promoted
+from generator.sweep.ladder import KEPT, RUNGS, Entry, finalists, promoted
 from generator.sweep.recheck import verify_choice
 from generator.sweep.record import Final, Rejection, Run
 from generator.sweep.search import Search
@@ -172,6 +172,21 @@ def test_who_was_timed_beside_other_work_is_timed_once_more() -> None:
     assert promoted([*best, *slow, disturbed], 0) == [disturbed]
     again = entry("again", 0.14, 0.1, 2)  # the longer timing is believed as it is
     assert again not in promoted([*best, *slow, again], 1)
+
+
+def test_who_was_disturbed_in_its_longest_timing_alone_is_in_the_final() -> None:
+    variant = next(space(SMALLER).everything())
+    ratios = {"disturbed": (0.1, 0.1, 0.12), "steady": (0.11, 0.1, 0.1), "slow": (0.13, 0.12, 0.12)}
+    entries = {
+        name: Entry(variant, [timed_trial(ratio, rung) for rung, ratio in enumerate(seen)])
+        for name, seen in ratios.items()
+    }
+    last = [entries["disturbed"], entries["steady"], entries["slow"]]
+    crowd = [Entry(variant, [timed_trial(0.1 + n / 1e4)]) for n in range(8)]
+    chosen_ones = finalists([*last, *crowd])
+    print(f"{len(chosen_ones)} of {len(last) + len(crowd)} in the final")
+    assert entries["disturbed"] in chosen_ones and entries["steady"] in chosen_ones
+    assert entries["slow"] not in chosen_ones
 
 
 def test_a_choice_can_be_timed_against_the_kernels_of_another_store(tmp_path: Path) -> None:
