@@ -8,6 +8,7 @@ from generator.scenes.scene import Scene, find_scene
 from generator.steppers.budgets import tableaus_for
 from generator.targets.target import Target
 from generator.variants.axes import axis
+from generator.variants.lane_numbers import float_lanes
 from generator.variants.lanes import widths_of
 from generator.variants.names import name_of
 from generator.variants.presets import PAPER_PRESETS
@@ -101,6 +102,8 @@ def _lane_roots(target: Target) -> tuple[str, ...]:
 def default_lanes(single: Variant, target: Target) -> Variant:
     """The same kernel in the widest lanes, with options that are safe before any timing.
 
+    Exact ones in floats where the budget allows.
+
     Where its scene has none: `single` itself, whose batches go one by one.
     """
     fixed, known = single.stepper.family == "euler", find_scene(single.scene)
@@ -108,8 +111,10 @@ def default_lanes(single: Variant, target: Target) -> Variant:
     if widest == 1 or (known.without_exact_lanes and not fixed):
         return single
     if not fixed:
-        root = _exact_lane_roots(single, target)[0]
-        return single.in_lanes(widest, lane_root=root, interleave=_exact_interleave(known, target))
+        root, way = _exact_lane_roots(single, target)[0], _exact_interleave(known, target)
+        floats = float_lanes(single, target)
+        numbers, width = ("float", floats[0]) if floats else ("own", widest)
+        return single.in_lanes(width, lane_root=root, interleave=way, numbers=numbers)
     finished, interleave = _LANES[0]
     return single.in_lanes(
         widest, lane_root=_lane_roots(target)[-1], finished=finished, interleave=interleave
@@ -150,20 +155,25 @@ def _exact_lane_roots(single: Variant, target: Target) -> tuple[str, ...]:
 
 
 def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
-    """The chosen exact kernel in the widest lanes; narrower ones for comparison."""
+    """The chosen exact kernel in the widest lanes, of floats too; narrower ones for comparison."""
     scene = find_scene(single.scene)
     if scene.without_exact_lanes:
         return []
     there = widths_of(target, scene.precision)
     widest, *narrower = sorted((w for w in there if w > 1), reverse=True)
-    ways = [(widest, way) for way in ("s2", "i1", "i2")]
-    ways += [(width, "i2") for width in narrower[:1]]
+    roots = _exact_lane_roots(single, target)
+    ways = [(widest, root, way, "own") for root in roots for way in ("s2", "i1", "i2")]
+    ways += [(width, root, "i2", "own") for root in roots for width in narrower[:1]]
+    floats = float_lanes(single, target)
+    ways += [(width, roots[0], way, "float") for width in floats[:1] for way in ("s2", "i1")]
+    ways += [(width, roots[0], "s2", "float") for width in floats[1:2]]
     found = [
-        single.in_lanes(width, lane_root=root, interleave=interleave, compiler=compiler)
+        single.in_lanes(
+            width, lane_root=root, interleave=interleave, numbers=numbers, compiler=compiler
+        )
         for compiler in compilers
         if compiler != "clangold"
-        for root in _exact_lane_roots(single, target)
-        for width, interleave in ways
+        for width, root, interleave, numbers in ways
     ]
     return [v for v in found if broken_rule(v, target) is None]
 

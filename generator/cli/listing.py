@@ -112,7 +112,7 @@ def _variants() -> list[Table]:
 
 
 def _lanes() -> Table:
-    table = _table("lanes of a vector, by the scene's precision", "set", "double", "float", "what")
+    table = _table("lanes of a vector, by the numbers in them", "set", "double", "float", "what")
     precisions: tuple[Precision, ...] = ("double", "float")
     for each in INSTRUCTION_SETS:
         counts = (f"x{each.lanes(precision)}" for precision in precisions)

@@ -31,7 +31,7 @@ from generator.sweep.station import Station
 from generator.sweep.store import ResultStore, default_store, opened, read_only
 from generator.sweep.sweep import Plan, explorations, require_spaces, run_sweep
 from generator.targets.target import Target
-from generator.variants.lanes import widths_of
+from generator.variants.lane_numbers import widths_for
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,10 @@ def _plan(
     only: Mapping[str, tuple[str, ...]],
     lab: Lab,
 ) -> Plan:
-    there = widths_of(target, find_scene(asked.scene).precision)
-    widths = {"scalar": (1,), "batch": tuple(w for w in there if w > 1)}
+    widths = {
+        "scalar": (1,),
+        "batch": tuple(w for w in widths_for(target, asked.scene, "exact") if w > 1),
+    }
     return Plan(
         target=target,
         contests=tuple(c for c in contests if widths[c.call]),

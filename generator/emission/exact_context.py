@@ -26,6 +26,7 @@ from generator.scenes.scene import Scene
 from generator.steppers.budgets import StepControl, plan_for
 from generator.steppers.tableaus import Tableau
 from generator.targets.target import Target
+from generator.variants.lane_numbers import precision_of
 from generator.variants.roots import refined_error
 from generator.variants.variant import Variant
 
@@ -49,6 +50,9 @@ class ExactContext:
     coarse: bool  # is the estimate so coarse that a root and a division do better than refining it?
     root_text: str
     tiny_square: str
+    tiny_slip: str  # a table slip with a direction, but of no account
+    least_bounce: str  # e_b up to this: the end of restitution is taken from its start
+    over: str  # share of q that is nothing: a collision with no more to go is over; empty: none
     before: tuple[str, ...]  # slips from velocities
     relative: tuple[str, ...]  # the components of v1 - v2
     after: tuple[str, ...]  # velocities from impulse sums
@@ -241,7 +245,8 @@ def _pressed_context(
     """As exact_context, for ball 2 pressed, or where the masses are swapped for ball 1."""
     assert variant.stepper.budget is not None
     fma = variant["fma"] == "fma"
-    real, table = scene.precision, scene.table_friction
+    real = precision_of(variant) if lanes else scene.precision
+    table = scene.table_friction
     changes = pressed_changes(terms, masses)
     k_b, k_f = changes[s.S2Y].coeff(s.D_Z), changes[s.S2X].coeff(s.T2X)
     plan = plan_for(variant.stepper.budget, variant.stepper.name, drives_its_slip(terms))
@@ -271,6 +276,9 @@ def _pressed_context(
         coarse=found.relative_error > 1e-3,
         root_text=text,
         tiny_square="1e-24" if floats else "1e-36",
+        tiny_slip="1e-9" if floats else "1e-15",
+        least_bounce="3e-4" if floats else "1e-5",
+        over="0x1p-23" if floats else "",
         before=ends.slips(n for n in slips if n not in resting).lines,
         relative=ends.relative("" if scene.bounded else "per_scale").lines,
         after=(ends.velocities() if table else ends.free_velocities()).lines,
@@ -293,6 +301,7 @@ def _pressed_context(
         kept=lowering.kept() if lanes and variant.paired else (),
         together=2 if variant.paired else 1,
         wave=6 if variant.paired else 8,
+        slots=2048 if floats else 1024,  # as many bytes
         extra_stages=lowering.extra_stages() if table else (),
         dense_work=lowering.dense(("t_y", "j")).lines if table else (),
         dense_contact=lowering.dense(("d_x", "d_z", "t_x")).lines if table else (),

@@ -24,6 +24,7 @@ from generator.mechanics.masses import masses_of
 from generator.scenes.models import find_model
 from generator.scenes.scene import ALCIATORE, LIMITS, TABLE_FRICTION, UNITS, Scene, find_scene
 from generator.targets.target import Target, target_or_port
+from generator.variants.lane_numbers import precision_of
 from generator.variants.names import source_name_of
 from generator.variants.rules import require_legal
 from generator.variants.variant import Variant
@@ -319,8 +320,19 @@ def _exact_contract(context: KernelContext) -> tuple[str, ...]:
         f"Stepper: adaptive {exact.tableau.name}, order {exact.tableau.order}{table}; error "
         f"against the exact solution at most {exact.budget:g} of the relative speed |v1 - v2|, "
         "each of v and R w, as far as verification has seen (docs/accuracy.md).",
+        *_batch_lines(context),
         f"Operations a step: {exact.counts.describe()} ({exact.counts.flops} flops), without the "
         "control of its length and the roots' own.",
+    )
+
+
+def _batch_lines(context: KernelContext) -> tuple[str, ...]:
+    """What batches do otherwise than single calls, for the contract."""
+    if context.lanes is None or not context.lanes.floats or context.scene.precision == "float":
+        return ()
+    return (
+        "Batches: the steps in floats, whose rounding is a small part of that; all that is before "
+        "and after them in doubles.",
     )
 
 
@@ -370,7 +382,7 @@ def _lanes(variant: Variant, target: Target) -> LaneContext:
     if exact and (reason := scene.without_exact_lanes):
         raise InputError(f"--scene {scene.name}: {reason}; expected width 1")
     fma = variant["fma"] == "fma"
-    return lane_context(target, variant.width, variant.vectors, fma, scene.precision)
+    return lane_context(target, variant.width, variant.vectors, fma, precision_of(variant))
 
 
 def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:

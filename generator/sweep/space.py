@@ -117,11 +117,17 @@ class Space:
                 yield replace(variant, stepper=stepper)
         for width in self.widths:
             if width != variant.width:
-                yield in_width(variant, width)
+                yield from self._in_width(variant, width)
         for axis, codes in self.axes(variant.width):
             for code in codes:
                 if code != variant[axis.key]:
                     yield variant.with_options(**{axis.key: code})
+
+    def _in_width(self, variant: Variant, width: int) -> Iterator[Variant]:
+        """In another number of lanes, with each kind of number that these may hold."""
+        moved, codes = in_width(variant, width), {a.key: c for a, c in self.axes(width)}
+        for code in codes.get("numbers", ("",)):
+            yield moved.with_options(numbers=code) if code else moved
 
     def neighbours(self, variant: Variant) -> list[Variant]:
         """Those of `steps_from` that are legal."""

@@ -27,6 +27,7 @@ from generator.sweep.space import Contest, Space, variant_of_subject
 from generator.sweep.station import BASELINE_STEPS
 from generator.targets.target import Target
 from generator.variants.axes import axes_of
+from generator.variants.lane_numbers import widths_for
 from generator.variants.variant import Variant
 
 FINAL_RESERVE = 60.0  # seconds of the budget kept for a contest's last wave and its final
@@ -48,7 +49,8 @@ class Plan:
 
     def space(self, contest: Contest) -> Space:
         """What may be tried in a contest."""
-        widths = self.widths[contest.call]
+        there = widths_for(self.target, contest.scene, contest.family)
+        widths = tuple(width for width in self.widths[contest.call] if width in there)
         only = {**held_options(contest, self.target), **self.only}
         return Space(contest, self.target, self.compilers, widths, only)
 

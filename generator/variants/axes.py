@@ -167,6 +167,14 @@ AXES: tuple[Axis, ...] = (
         s2="two, in the stages of an exact step alone",
     ),
     _axis(
+        "numbers",
+        "numbers in lanes of an exact stepper",
+        "exact",
+        lanes=True,
+        own="the scene's",
+        float_="floats, twice as many; what is before and after the steps stays double",
+    ),
+    _axis(
         "compiler",
         "compiler",
         "all",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from generator.scenes.scene import find_scene
 from generator.targets.target import Target
+from generator.variants.lane_numbers import allows_floats, precision_of
 from generator.variants.lanes import widths_of
 from generator.variants.roots import allows
 from generator.variants.variant import Variant
@@ -23,6 +24,15 @@ class Rule:
 
 def _euler(test: Callable[[Variant], bool]) -> Callable[[Variant, Target], bool]:
     return lambda v, _target: v.stepper.family == "euler" and test(v)
+
+
+def _floats(v: Variant) -> bool:
+    return v.get("numbers") == "float"
+
+
+def _closed(v: Variant) -> bool:
+    """Has its scene a closed form in place of steps?"""
+    return find_scene(v.scene).level
 
 
 def _roots_in_budget(v: Variant, target: Target) -> bool:
@@ -150,8 +160,8 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "lanes-need-vectors",
-        "the target has no vectors of so many numbers of the scene's precision",
-        lambda v, t: v.width not in widths_of(t, find_scene(v.scene).precision),
+        "the target has no vectors of so many of these numbers",
+        lambda v, t: v.width not in widths_of(t, precision_of(v)),
     ),
     Rule(
         "lanes-need-ieee",
@@ -179,9 +189,19 @@ RULES: tuple[Rule, ...] = (
         _euler(lambda v: v.get("lane_root") == "est0"),
     ),
     Rule(
+        "floats-in-place-of-doubles",
+        "only steps in doubles can be made in floats instead: use numbers=own",
+        lambda v, _t: _floats(v) and (find_scene(v.scene).precision == "float" or _closed(v)),
+    ),
+    Rule(
+        "floats-within-budget",
+        "floats round by more than the error budget allows: use numbers=own",
+        lambda v, _t: _floats(v) and not allows_floats(v.stepper.budget or 0.0, v.model),
+    ),
+    Rule(
         "pairs-need-stages",
         "only the steps of an exact kernel have stages that two vectors can make in turn",
-        lambda v, _t: v.paired and (v.stepper.family != "exact" or find_scene(v.scene).level),
+        lambda v, _t: v.paired and (v.stepper.family != "exact" or _closed(v)),
     ),
 )
 

@@ -1,10 +1,11 @@
 """The proof of the exact kernels, the long part: a million random cases a model.
 
 `.venv/bin/python tests/python/million.py` (or `pytest -m long tests/python`) runs the kernel of
-every budget, in GCC and Clang, for all models over the reference and a million random cases of all
-kinds, prints a table and writes build/exact_errors.json. Exit status 1 where a budget does not
-hold; `steep` counts cases beyond it that a rounding of the input moves as far. The oracle's answers
-take ten minutes the first time and are kept in build/cache/oracle.
+every budget, in GCC and Clang, and its batches in floats where it has them, for all models over
+the reference and a million random cases of all kinds, prints a table and writes
+build/exact_errors.json. Exit status 1 where a budget does not hold; `steep` counts cases beyond it
+that a rounding of the input moves as far. The oracle's answers take ten minutes the first time and
+are kept in build/cache/oracle.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ from oracle_cache import Chunk, chunks, expected_of
 from generator.targets.host import read_host
 from generator.targets.target import Target
 from generator.timing.bench_tool import ROOT, BenchTool
+from generator.variants.lane_numbers import float_lanes
 from generator.variants.names import name_of
 from generator.variants.variant import Variant
 from generator.verification.reference import MODELS, load_reference
@@ -56,7 +58,8 @@ class Row:
     worst: Worst
 
     def add(self, tool: BenchTool, chunk: Chunk) -> None:
-        got = tool.run_kernel(self.library, chunk.cases, timeout=600)
+        batch = self.variant.width > 1
+        got = tool.run_kernel(self.library, chunk.cases, batch=batch, timeout=600)
         self.worst.add(chunk.cases, chunk.kinds, got, chunk.expected)
 
 
@@ -66,12 +69,22 @@ def all_roots(budget: float, model: str, target: Target) -> list[tuple[str, str]
     return [*((compiler, first) for compiler in COMPILERS), *(("gcc", root) for root in others)]
 
 
+def in_floats(single: Variant, target: Target) -> list[Variant]:
+    """The batches of a kernel whose steps are made in floats, for each number of lanes."""
+    return [
+        single.in_lanes(width, lane_root=single["root"], interleave="s2", numbers="float")
+        for width in float_lanes(single, target)
+    ]
+
+
 def rows_for(model: str, budgets: tuple[float, ...], target: Target) -> list[Row]:
     variants = [
         exact_variant(model, budget, compiler, root, target)
         for budget in budgets
         for compiler, root in all_roots(budget, model, target)
     ]
+    coarsest = [exact_variant(model, budget, "clang", "", target) for budget in budgets]
+    variants += [lanes for single in coarsest for lanes in in_floats(single, target)]
     moved = partial(conditioning, bench_tool(), model)
     return [
         Row(v, library, Worst(v.stepper.budget or 0.0, moved))
@@ -107,8 +120,9 @@ def table_line(row: Row) -> str:
     v, w = row.variant, row.worst
     verdict = "ok" if w.passed else "OVER"
     return (
-        f"{v.model:13}{w.budget:<7.0e} {v['compiler']:6} {v['root']:5} {w.error:9.2e} "
-        f"{w.error / w.budget:7.2f} {w.over:7} {w.steep:6} of {w.count}  {w.kind:28} {verdict}"
+        f"{v.model:13}{w.budget:<7.0e} {v['compiler']:6} {v['root']:5} x{v.width:<3} "
+        f"{w.error:9.2e} {w.error / w.budget:7.2f} {w.over:7} {w.steep:6} of {w.count}  "
+        f"{w.kind:28} {verdict}"
     )
 
 
@@ -122,6 +136,7 @@ def document(row: Row) -> dict[str, object]:
             kinds[kind]["one_ulp_moves_exact_by"] = conditioning(tool, v.model, case)
     figures = {"cases": w.count, "over": w.over, "steep": w.steep, "wrong_status": w.wrong_status}
     names = {"model": v.model, "budget": w.budget, "compiler": v["compiler"], "root": v["root"]}
+    names["lanes"] = v.width
     worst = {"max_rel_error": w.error, "worst_kind": w.kind}
     return {"name": name_of(v), **names, **figures, **worst, "passed": w.passed, "kinds": kinds}
 
@@ -131,7 +146,8 @@ def prove_all(count: int, budgets: tuple[float, ...], models: tuple[str, ...]) -
     start, rows, target = time.monotonic(), [], read_host().target
     print(f"target {target.name}; largest relative error over the reference and {count} cases")
     print(
-        "model        budget  compil root      error  /budget    over  steep of cases, worst kind"
+        "model        budget  compil root lanes     error  /budget    over  steep of cases, "
+        "worst kind"
     )
     for model in models:
         rows += (fresh := prove(model, count, budgets, target))

@@ -10,6 +10,7 @@ from generator.choice.modelling import lanes_in_flight
 from generator.errors import KernelError
 from generator.targets.host import read_host
 from generator.targets.target import find_target
+from generator.variants.lane_numbers import allows_floats
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, make_variant
 from generator.verification.errors import STATUS
@@ -32,8 +33,9 @@ KERNELS = (
     ("x86-64-v4", 8, {"finished": "aside", "interleave": "i3", "lane_root": "est1"}),
     ("x86-64-v4", 8, {"finished": "refilled", "interleave": "i1", "lane_root": "est2"}),
 )
+IN_FLOATS = {"numbers": "float", "interleave": "s2", "lane_root": "est1"}
 # target, lanes, tableau, budget, options: exact kernels, with the vocabularies that they share.
-EXACT = (
+IN_DOUBLES = (
     ("x86-64-v2", 2, "dp54", 1e-6, {"interleave": "i1", "root": "est1", "fma": "nofma"}),
     ("x86-64-v3", 4, "dp54", 1e-6, {"interleave": "i2", "root": "est1", "fma": "fma"}),
     ("x86-64-v3", 4, "dp54", 1e-6, {"interleave": "s2", "lane_root": "est1", "fma": "fma"}),
@@ -41,6 +43,14 @@ EXACT = (
     ("x86-64-v4", 8, "ss43", 1e-3, {"interleave": "i1", "root": "est0", "fma": "fma"}),
     ("x86-64-v4", 8, "dop853", 1e-9, {"interleave": "i2", "root": "cubic", "fma": "fma"}),
 )
+# Steps in floats, the caller's arrays and the frame in doubles.
+STEPS_IN_FLOATS = (
+    ("x86-64-v2", 4, "dp54", 1e-6, {**IN_FLOATS, "lane_root": "cubic", "fma": "nofma"}),
+    ("x86-64-v3", 8, "dp54", 1e-6, {**IN_FLOATS, "interleave": "i1", "fma": "fma"}),
+    ("x86-64-v4", 16, "dp54", 1e-6, {**IN_FLOATS, "fma": "fma"}),
+    ("x86-64-v4", 16, "ss43", 1e-3, {**IN_FLOATS, "lane_root": "est0", "fma": "fma"}),
+)
+EXACT = (*IN_DOUBLES, *STEPS_IN_FLOATS)
 # The same in scene `arcade`: lanes of float, twice as many.
 FLOATS = (
     ("x86-64-v2", 4, "ss43", 1e-3, {"interleave": "i1", "root": "est1", "fma": "nofma"}),
@@ -60,6 +70,9 @@ def _variant(target, width, model, steps, options):
 def _exact(target, width, model, tableau, budget, options, scene="any"):
     stepper = Stepper(tableau, budget=budget)
     made = make_variant(target, scene, model, stepper, width, **options)
+    if made["numbers"] == "float" and not allows_floats(budget, model):  # `pooltool` needs doubles
+        own = {**options, "numbers": "own"}
+        return _exact(target, width // 2, model, tableau, budget, own, scene)
     if broken_rule(made, find_target(target)) is None:
         return made
     return made.with_options(root="cubic", lane_root="cubic")  # `pooltool` needs finer ones

@@ -101,7 +101,8 @@ def test_every_rule_can_be_broken_alone_of_what_comes_before() -> None:
         target, width = find_target(rng.choice(TARGETS)), rng.choice((1, 1, 1, 2, 8))
         stepper = rng.choice(steppers)
         options = {a.key: rng.choice(a.codes()) for a in axes_of(stepper.family, width)}
-        drawn = make_variant(target.name, "any", "pooltool", stepper, width, **options)
+        scene = rng.choice(("any", "any", "arcade"))  # of doubles, of floats
+        drawn = make_variant(target.name, scene, "pooltool", stepper, width, **options)
         rule = broken_rule(drawn, target)
         if rule is not None:
             met.add(rule.name)

@@ -1,0 +1,38 @@
+"""Which numbers the lanes of a kernel hold, and how tight a budget floats are good for."""
+
+from __future__ import annotations
+
+from generator.scenes.scene import find_scene
+from generator.targets.target import Target
+from generator.variants.lanes import Precision, widths_of
+from generator.variants.roots import share_of
+from generator.variants.variant import Variant
+
+# What the rounding of floats adds up to in a collision, relative to |v1 - v2|: the most that it
+# added to the error of 352,840 hard cases (docs/accuracy.md).
+FLOAT_ROUNDING = 5 * 2.0**-24
+
+
+def precision_of(variant: Variant) -> Precision:
+    """Of the numbers in a kernel's lanes; of a kernel without lanes: the scene's."""
+    own: Precision = find_scene(variant.scene).precision
+    return "float" if variant.get("numbers") == "float" else own
+
+
+def allows_floats(budget: float, model: str) -> bool:
+    """May the steps of a collision be made in floats?"""
+    return budget * share_of(model) >= FLOAT_ROUNDING
+
+
+def float_lanes(single: Variant, target: Target) -> tuple[int, ...]:
+    """Numbers of lanes in which a kernel of doubles may make its steps in floats; widest first."""
+    scene, budget = find_scene(single.scene), single.stepper.budget or 0.0
+    if scene.precision == "float" or scene.level or not allows_floats(budget, single.model):
+        return ()
+    return tuple(sorted((w for w in widths_of(target, "float") if w > 1), reverse=True))
+
+
+def widths_for(target: Target, scene: str, family: str) -> tuple[int, ...]:
+    """Numbers of lanes, 1 among them, of kernels of a stepper family, the fewest first."""
+    own = widths_of(target, find_scene(scene).precision)
+    return tuple(sorted({*own, *(widths_of(target, "float") if family == "exact" else ())}))
