@@ -246,6 +246,8 @@ def _pressed_context(
     assert variant.stepper.budget is not None
     fma = variant["fma"] == "fma"
     real = precision_of(variant) if lanes else scene.precision
+    # Squares of doubles need no scale where speeds are bounded; floats that take their place do.
+    scaled = not scene.bounded or real != scene.precision
     table = scene.table_friction
     changes = pressed_changes(terms, masses)
     k_b, k_f = changes[s.S2Y].coeff(s.D_Z), changes[s.S2X].coeff(s.T2X)
@@ -280,7 +282,7 @@ def _pressed_context(
         least_bounce="3e-4" if floats else "1e-5",
         over="0x1p-23" if floats else "",
         before=ends.slips(n for n in slips if n not in resting).lines,
-        relative=ends.relative("" if scene.bounded else "per_scale").lines,
+        relative=ends.relative("per_scale" if scaled else "").lines,
         after=(ends.velocities() if table else ends.free_velocities()).lines,
         level=ends.level(),
         slip_of={
@@ -318,7 +320,7 @@ def _pressed_context(
         no_friction=1e-9 if floats else 0.0,
         tiny_friction=1e-9 if floats else 1e-36,
         gains=gains,
-        scaled=not scene.bounded,
+        scaled=scaled,
         one_table=scene.one_table,
         width=variant.width if lanes else 1,
     )

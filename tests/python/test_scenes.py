@@ -26,6 +26,7 @@ from generator.scenes.scene import Scene, parse_scene
 from generator.timing.bench_tool import ROOT
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.flags import compile_flags
+from generator.variants.lane_numbers import float_lanes
 from generator.variants.lanes import widths_of
 from generator.variants.names import name_of
 from generator.variants.presets import find_preset
@@ -51,6 +52,7 @@ OURS = {
     "rest": 'object_ball = "rest"',
     "freefloat": 'table_friction = false\nprecision = "float"\nmax_error = 1e-3',
     "oneball": "[fixed]\nR = 0.03\nM = 0.2\nu_s1 = 0.2\nu_s2 = 0.25\nu_b = 0.05\ne_b = 0.9",
+    "creep": 'object_ball = "rest"\nspeed = [1e-6, 1e-5]\nspin_speed = 1e-4',
     "stunrest": 'spin = "none"\nobject_ball = "rest"\nfriction_law = "alciatore"',
 }
 RANDOM = 2040
@@ -341,6 +343,21 @@ def test_batches_of_a_law_go_in_lanes() -> None:
     held = euler_verdict(rows, got, euler, exact, EULER.steps or 0)
     print(f"fixed steps: {held.max_abs_error:.2g} m/s, {held.reason}")
     assert held.passed, held.reason
+
+
+@pytest.mark.parametrize("scene", ["pool", "break", "law", "creep"])
+def test_steps_in_floats_hold_the_budget_of_every_scene(scene: str) -> None:
+    """The squares of slow speeds too, which floats take where doubles need no scale."""
+    alone = variant_for(scene)
+    widest = float_lanes(alone, portable_target())[0]
+    lanes = built_as(alone.in_lanes(widest, lane_root="est1", interleave="s2", numbers="float"))
+    rows, exact = inside(scene, alone.model)
+    single = bench_tool().run_kernel(lanes.library.path, rows)
+    got = bench_tool().run_kernel(lanes.library.path, rows, batch=True)
+    verdict = exact_verdict(rows, got, exact, 1e-6)
+    print(f"{scene}, {widest} lanes of float: {verdict.max_rel_error:.2g}, {verdict.reason}")
+    assert verdict.passed, verdict.reason
+    assert (got[:, STATUS] == single[:, STATUS]).all()
 
 
 @pytest.mark.parametrize("scene", ["stun", "side", "heavystun", "stunrest"])
