@@ -27,7 +27,7 @@ struct Row {
   bool (*runs)();  // does this CPU have what the target needs?
   int steps;       // N of a fixed-step kernel, else 0
   double budget;   // of an exact kernel, else 0
-  int lanes;       // doubles in a vector of its batches
+  int lanes;       // numbers in a vector of its batches
   Functions functions;
   int (*collide_steps)(const Parameters& p, const double* ball1, const double* ball2, double* out1,
                        double* out2, int steps);  // fixed-step kernels alone
