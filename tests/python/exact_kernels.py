@@ -47,11 +47,16 @@ def roots_for(budget: float, model: str, target: Target) -> tuple[str, ...]:
 
 
 def exact_variant(
-    model: str, budget: float, compiler: str = "gcc", root: str = "", target: Target | None = None
+    model: str,
+    budget: float,
+    compiler: str = "gcc",
+    root: str = "",
+    target: Target | None = None,
+    tableau: str = "",
 ) -> Variant:
-    """The kernel for a budget, with the cheapest legal root where none is named."""
+    """The kernel for a budget; where not named, its tableau and the cheapest legal root."""
     target = target or portable_target()
-    stepper = Stepper(tableaus_for(budget)[0], budget=budget)
+    stepper = Stepper(tableau or tableaus_for(budget)[0], budget=budget)
     fma = "fma" if target.has("fma") else "nofma"
     for choice in (root,) if root else roots_for(budget, model, target):
         options = {"root": choice, "fma": fma, "compiler": compiler}
