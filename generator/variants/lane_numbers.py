@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from generator.mechanics.reduced import drives_its_slip
+from generator.scenes.models import find_model
 from generator.scenes.scene import find_scene
 from generator.targets.target import Target
 from generator.variants.lanes import Precision, widths_of
-from generator.variants.roots import share_of
 from generator.variants.variant import Variant
 
 # What the rounding of floats adds up to in a collision, relative to |v1 - v2|: the most that it
 # added to the error of 352,840 hard cases (docs/accuracy.md).
 FLOAT_ROUNDING = 5 * 2.0**-24
+# Of the budget, the rest of which is for the steps. Where the table drives its slip away from zero,
+# an error grows with the slip.
+_SHARE, _SHARE_OF_DRIVEN_SLIP = 1 / 3, 1 / 24
 
 
 def precision_of(variant: Variant) -> Precision:
@@ -21,7 +25,8 @@ def precision_of(variant: Variant) -> Precision:
 
 def allows_floats(budget: float, model: str) -> bool:
     """May the steps of a collision be made in floats?"""
-    return budget * share_of(model) >= FLOAT_ROUNDING
+    driven = drives_its_slip(find_model(model).terms)
+    return budget * (_SHARE_OF_DRIVEN_SLIP if driven else _SHARE) >= FLOAT_ROUNDING
 
 
 def float_lanes(single: Variant, target: Target) -> tuple[int, ...]:

@@ -21,10 +21,6 @@ def refined_error(code: str, estimate: float) -> float:
 
 def allows(budget: float, model: str, code: str, target: Target, one_float: bool = False) -> bool:
     """Is an exact stepper's root fine enough for a budget? `one_float`: in one lane, of float."""
-    return refined_error(code, target.rsqrt_error(one_float)) <= budget * share_of(model)
-
-
-def share_of(model: str) -> float:
-    """What share of a budget a root, or the rounding of a step's numbers, may be off by."""
     driven = drives_its_slip(find_model(model).terms)
-    return _SHARE_OF_DRIVEN_SLIP if driven else _SHARE
+    share = _SHARE_OF_DRIVEN_SLIP if driven else _SHARE
+    return refined_error(code, target.rsqrt_error(one_float)) <= budget * share
