@@ -52,7 +52,7 @@ void time_plan(const Time& options);
 /// Throws too where the outcomes differ from those of one thread.
 struct Threads {
   std::string kernel, cases;
-  std::size_t count = 4096;  ///< collisions in the batch, the cases over and over
+  std::size_t count = 32768;  ///< collisions in the batch, the cases over and over
   int rounds = 30;           ///< the best of them counts
   unsigned most = 0;         ///< threads; 0: one a core
 };

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
@@ -24,6 +24,7 @@ from generator.toolchain.build import build
 from generator.toolchain.mca import McaReport, analyse, assembly_of, require_mca
 from generator.toolchain.replay import Modelled, replayed_cycles
 from generator.toolchain.traces import TracedKernel, traced
+from generator.variants.lane_numbers import precision_of
 from generator.variants.variant import Variant
 from generator.verification.errors import Array
 
@@ -110,9 +111,14 @@ def replayed(
     )
 
 
-def loop_report(bench: Workbench, candidate: Candidate, target: Target) -> McaReport:
-    """What llvm-mca says of one pass of the loop, over all lanes in flight. Raises KernelError."""
-    region = "lanes" if candidate.is_batch else "loop"
+def loop_report(
+    bench: Workbench, candidate: Candidate, target: Target, region: str = ""
+) -> McaReport:
+    """What llvm-mca says of one pass of the loop, over all lanes in flight. Raises KernelError.
+
+    `region`: of another loop, as marked in the text.
+    """
+    region = region or ("lanes" if candidate.is_batch else "loop")
     sources = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
     compiler, flags = candidate.compiler, candidate.flags
 
@@ -124,6 +130,25 @@ def loop_report(bench: Workbench, candidate: Candidate, target: Target) -> McaRe
     key = key_of(texts, compiler.version, flags, require_mca().version, target.row.mca_cpu, region)
     kept = bench.store.kept("llvm-mca figures", key, make)
     return McaReport(**{**kept, "path_cycles": tuple(kept["path_cycles"])})
+
+
+def frame_bound(bench: Workbench, candidate: Candidate, target: Target) -> float:
+    """Cycles that reading, checking and writing a collision needs at least, in an exact batch.
+
+    Raises KernelError.
+    """
+    return frame_cycles(
+        candidate.variant,
+        lambda region: loop_report(bench, candidate, target, region).throughput_bound,
+    )
+
+
+def frame_cycles(variant: Variant, bound: Callable[[str], float]) -> float:
+    """The same from what a trip of each marked loop needs."""
+    whole = variant.width * variant.vectors
+    part = whole if precision_of(variant) == "double" else variant.width // 2  # always of doubles
+    # A trip of the outer loop, "take", is counted with one of the inner one, "frame".
+    return bound("take") / whole + bound("frame") * (1 / part - 1 / whole) + bound("leave") / part
 
 
 def lanes_in_flight(variant: Variant) -> int:

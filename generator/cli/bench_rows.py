@@ -8,7 +8,7 @@ from typing import Any
 
 from generator.choice.candidates import baseline
 from generator.choice.lookup import with_compiler_found
-from generator.choice.modelling import lanes_in_flight, loop_report
+from generator.choice.modelling import frame_bound, lanes_in_flight, loop_report
 from generator.choice.selection import Selected
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
 from generator.profiling.passes import steps_a_collision
@@ -85,12 +85,12 @@ class BenchRow:
         return f"  threads (times as fast as one) {', '.join(shown)}"
 
     def _bound(self) -> str:
-        """How near a batch kernel is to what its loop's instructions allow."""
+        """How near a batch kernel is to what its loops' instructions allow."""
         timing = self.candidate.timing
         if self.bound_cycles is None or not self.core_ghz or timing is None:
             return ""
         bound = self.bound_cycles / self.core_ghz
-        return f"  {timing.ns / bound:.2f} of the loop's bound ({bound:.1f} ns)"
+        return f"  {timing.ns / bound:.2f} of the loops' bound ({bound:.1f} ns)"
 
 
 def bench_rows(
@@ -133,16 +133,19 @@ def _batch_row(
 def _bound_cycles(
     tools: Workbench, candidate: Candidate, target: Target, cases: Array
 ) -> float | None:
-    """Cycles that a collision's steps in a batch kernel's loop need at least, all lanes busy.
+    """Cycles that a collision needs at least in the loops of a batch kernel, all lanes busy.
 
-    None where there is no such loop, or no llvm-mca.
+    Its steps; in an exact kernel also reading, checking and writing it, which the N steps of others
+    outweigh. None where there is no such loop, or no llvm-mca.
     """
     variant = candidate.variant
     if find_mca() is None or find_scene(variant.scene).level:
         return None
     steps: float | None = variant.stepper.steps
+    around = 0.0
     if steps is None:
         cache = tools.cache / "kernels"
         steps = steps_a_collision(variant, candidate.compiler, target, cases[:COUNTED], cache)
+        around = frame_bound(tools, candidate, target)
     report = loop_report(tools, candidate, target)
-    return report.throughput_bound * steps / lanes_in_flight(variant)
+    return report.throughput_bound * steps / lanes_in_flight(variant) + around

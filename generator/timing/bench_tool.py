@@ -148,7 +148,7 @@ class BenchTool:
             return _read(Path(name, "out"), OUTCOME_COLUMNS, len(cases))
 
     def threads(
-        self, library: Path, cases: Array, count: int = 4096, most: int = 0
+        self, library: Path, cases: Array, count: int = 32768, most: int = 0
     ) -> dict[int, float]:
         """ns a collision of a batch shared over 1, 2, ... threads, by their number.
 

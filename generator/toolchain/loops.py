@@ -40,7 +40,7 @@ class Path:
     """One way through a trip of the loop."""
 
     lines: tuple[str, ...]
-    iterations: int  # markers met: an unrolled trip has several
+    iterations: int  # markers of the region met: an unrolled trip has several
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def _innermost(blocks: list[Block], marked: int) -> tuple[int, set[int]] | None:
     return found
 
 
-def _paths(blocks: list[Block], head: int, body: set[int]) -> Loop:
+def _paths(blocks: list[Block], head: int, body: set[int], region: str) -> Loop:
     usable = {n for n in body if not blocks[n].rare} | {head}
     paths: list[Path] = []
     trail: list[list[int]] = [[head]]
@@ -146,7 +146,7 @@ def _paths(blocks: list[Block], head: int, body: set[int]) -> Loop:
         for n in blocks[route[-1]].next:
             if n == head:
                 lines = tuple(line for m in route for line in blocks[m].lines)
-                paths.append(Path(lines, sum(len(blocks[m].marks) for m in route)))
+                paths.append(Path(lines, sum(blocks[m].marks.count(region) for m in route)))
             elif n in usable and n not in route:
                 trail.append([*route, n])
     return Loop(tuple(p for p in paths if p.iterations > 0), complete=not trail)
@@ -173,8 +173,8 @@ def marked_loops(assembly: str, region: str) -> list[Loop]:
         if region in block.marks and (found := _innermost(blocks, n)) is not None:
             head, body = found
             if head not in loops:
-                likely = _paths(blocks, head, _in_line(blocks, body) | {head})
-                loops[head] = likely if likely.paths else _paths(blocks, head, body)
+                likely = _paths(blocks, head, _in_line(blocks, body) | {head}, region)
+                loops[head] = likely if likely.paths else _paths(blocks, head, body, region)
     return [loop for loop in loops.values() if loop.paths]
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from kernels import CACHE, bench_tool, compiler_of
 
+from generator.choice.modelling import frame_cycles
 from generator.emission.kernel_source import KernelSource, emit
 from generator.profiling.misses import own_costs, simulate_misses
 from generator.profiling.passes import steps_a_collision
@@ -133,3 +134,28 @@ def test_a_loop_of_exact_lanes_has_a_bound_that_its_steps_scale(tmp_path: Path) 
     report = analyse(text, target, "lanes")
     print(f"{report.throughput_bound:.0f} cycles a pass of two lanes; {report.note}")
     assert 300 < report.throughput_bound < report.cycles_per_iteration
+
+
+def test_reading_and_writing_a_collision_has_a_bound_too() -> None:
+    """In doubles and, the frame being half as wide, where steps are made in floats."""
+    if find_mca() is None:
+        pytest.skip("llvm-mca is not installed")
+    target = find_target("x86-64-v3")
+    options = {"fma": "fma", "root": "est1", "interleave": "s2"}
+    head = ("x86-64-v3", "any", "mathavan2014", Stepper("dp54", budget=1e-6))
+    bounds = {}
+    for width, numbers in ((4, "own"), (8, "float")):
+        wide = make_variant(*head, width, numbers=numbers, **options)
+        compiler = compiler_of(wide)
+        sources = {k: v for k, v in _files(emit(wide)).items() if k != "probe.cpp"}
+        text = assembly_of(sources, (), compiler, compile_flags(wide, compiler, target), "bound")
+
+        def bound(region: str, text: str = text) -> float:
+            return analyse(text, target, region).throughput_bound
+
+        bounds[numbers] = frame_cycles(wide, bound)
+        regions = {name: bound(name) for name in ("take", "frame", "leave")}
+        print(f"{numbers}: {bounds[numbers]:.1f} cycles a collision; {regions}")
+        assert regions["frame"] <= regions["take"]
+    # Both move the same doubles.
+    assert 20 < bounds["float"] < 1.2 * bounds["own"] < 150

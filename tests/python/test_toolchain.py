@@ -265,6 +265,26 @@ def test_a_trip_of_a_loop_counts_what_usually_runs():
     assert marked_loops(moved_away, "other") == []
 
 
+def test_a_loop_inside_another_is_no_trip_of_it():
+    text = """
+    main:
+    .L1:
+        # LLVM-MCA-BEGIN take
+        addsd %xmm1, %xmm0
+    .L2:
+        # LLVM-MCA-BEGIN frame
+        mulsd %xmm1, %xmm0
+        decl %eax
+        jne .L2
+        decl %ecx
+        jne .L1
+        ret
+    """
+    (outer,), (inner,) = marked_loops(text, "take"), marked_loops(text, "frame")
+    assert [(len(path.lines), path.iterations) for path in outer.paths] == [(6, 1)]
+    assert [(len(path.lines), path.iterations) for path in inner.paths] == [(3, 1)]
+
+
 def test_mca_sees_every_way_through_a_loop_of_aarch64():
     need_mca()
     text = """

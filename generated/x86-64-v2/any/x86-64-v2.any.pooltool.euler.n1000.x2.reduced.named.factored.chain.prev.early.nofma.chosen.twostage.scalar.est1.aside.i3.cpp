@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.any.pooltool.euler.n1000.x2.reduced.named.factored.chain.prev.early.nofma.chosen.twostage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene any --model pooltool
-// inputs:   sha256 133ec3f93d40d857
+// inputs:   sha256 35267ec7a5cd23e5
 #include "carom.h"
 
 #include <cmath>
@@ -970,6 +970,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -980,6 +981,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

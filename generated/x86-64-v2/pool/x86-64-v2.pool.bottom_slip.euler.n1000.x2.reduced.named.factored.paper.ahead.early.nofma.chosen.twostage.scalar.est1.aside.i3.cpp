@@ -3,7 +3,7 @@
 // kernel:   x86-64-v2.pool.bottom_slip.euler.n1000.x2.reduced.named.factored.paper.ahead.early.nofma.chosen.twostage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v2 --scene pool --model bottom_slip
-// inputs:   sha256 aac58bc4cf7394ca
+// inputs:   sha256 1775721317e50ca8
 #include "carom.h"
 
 #include <cmath>
@@ -993,6 +993,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -1003,6 +1004,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

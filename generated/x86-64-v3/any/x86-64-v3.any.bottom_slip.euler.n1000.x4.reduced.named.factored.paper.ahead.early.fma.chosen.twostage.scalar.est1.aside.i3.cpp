@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.any.bottom_slip.euler.n1000.x4.reduced.named.factored.paper.ahead.early.fma.chosen.twostage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene any --model bottom_slip
-// inputs:   sha256 f1ac2a95f737513d
+// inputs:   sha256 6a2b6174063d4c2c
 #include "carom.h"
 
 #include <cmath>
@@ -1010,6 +1010,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -1020,6 +1021,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.any.pooltool.dp54.e1m06.x4.cubic.fma.cubic.s2.own
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene any --model pooltool
-// inputs:   sha256 8c4449ab7fe8015c
+// inputs:   sha256 940327747395be8a
 #include "carom.h"
 
 #include <cmath>
@@ -1463,6 +1463,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -1473,6 +1474,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));
@@ -2863,7 +2865,9 @@ CAROM_INLINE void take_up(const Batch& batch, size_t first, int count, int slot,
   Taken taken{};
   for (int i = 0; i < count; i += frame::kPart) {
     const int some = count - i < frame::kPart ? count - i : frame::kPart;
+    CAROM_REGION_BEGIN("frame");
     frame::take(batch, first + static_cast<size_t>(i), some, taken, i, works.before, slot + i);
+    CAROM_REGION_END("frame");
   }
   Flight flight{};
   flight.start.v_n = load(taken.v_n);
@@ -2888,7 +2892,9 @@ CAROM_INLINE void work_through(const Batch& batch, size_t first, int count, Work
     Flights& later = works.flights[1 - wave];
     while (now.count <= (kWave - 1) * kLanes && next < count) {
       const int some = count - next < kLanes ? count - next : kLanes;
+      CAROM_REGION_BEGIN("take");
       take_up(batch, first + static_cast<size_t>(next), some, next, works, now);
+      CAROM_REGION_END("take");
       next += some;
     }
     later.count = 0;
@@ -2938,8 +2944,10 @@ inline size_t collide_block(const Batch& batch, size_t first, int count, Works& 
   size_t good = 0;
   for (int slot = 0; slot < count; slot += frame::kPart) {
     const int some = count - slot < frame::kPart ? count - slot : frame::kPart;
+    CAROM_REGION_BEGIN("leave");
     good += frame::put_down(batch, first + static_cast<size_t>(slot), some, by_place, slot,
                             works.before);
+    CAROM_REGION_END("leave");
   }
   return good;
 }

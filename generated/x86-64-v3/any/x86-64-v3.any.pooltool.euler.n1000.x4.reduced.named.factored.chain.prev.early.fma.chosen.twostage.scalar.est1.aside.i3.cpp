@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.any.pooltool.euler.n1000.x4.reduced.named.factored.chain.prev.early.fma.chosen.twostage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene any --model pooltool
-// inputs:   sha256 6858e6ecc6b69207
+// inputs:   sha256 78e5ff1a1d23f2d8
 #include "carom.h"
 
 #include <cmath>
@@ -985,6 +985,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -995,6 +996,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

@@ -3,7 +3,7 @@
 // kernel:   x86-64-v3.pool.mathavan2014.euler.n1000.x4.reduced.named.factored.chain.ahead.early.fma.chosen.twostage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v3 --scene pool --model mathavan2014
-// inputs:   sha256 d26c32e458bfdbe3
+// inputs:   sha256 1d94d4efc7f210f7
 #include "carom.h"
 
 #include <cmath>
@@ -1016,6 +1016,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -1026,6 +1027,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

@@ -3,7 +3,7 @@
 // kernel:   x86-64-v4.pool.pooltool.euler.n1000.x8.reduced.named.factored.chain.prev.early.fma.chosen.twostage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target x86-64-v4 --scene pool --model pooltool
-// inputs:   sha256 2e94f3dfc3b49479
+// inputs:   sha256 9f4e45a79c3c8158
 #include "carom.h"
 
 #include <cmath>
@@ -982,6 +982,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -992,6 +993,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

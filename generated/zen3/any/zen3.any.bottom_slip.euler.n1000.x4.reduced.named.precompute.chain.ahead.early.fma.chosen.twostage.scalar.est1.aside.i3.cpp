@@ -3,7 +3,7 @@
 // kernel:   zen3.any.bottom_slip.euler.n1000.x4.reduced.named.precompute.chain.ahead.early.fma.chosen.twostage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene any --model bottom_slip
-// inputs:   sha256 996a873883459edb
+// inputs:   sha256 0bb3d8ea5c505a82
 #include "carom.h"
 
 #include <cmath>
@@ -986,6 +986,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -996,6 +997,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

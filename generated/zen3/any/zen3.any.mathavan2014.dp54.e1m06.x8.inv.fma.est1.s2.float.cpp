@@ -3,7 +3,7 @@
 // kernel:   zen3.any.mathavan2014.dp54.e1m06.x8.inv.fma.est1.s2.float
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene any --model mathavan2014
-// inputs:   sha256 b5aad47b9e2b08b3
+// inputs:   sha256 1a81bd3748c1edc7
 #include "carom.h"
 
 #include <cmath>
@@ -1545,6 +1545,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -1555,6 +1556,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));
@@ -2949,7 +2951,9 @@ CAROM_INLINE void take_up(const Batch& batch, size_t first, int count, int slot,
   Taken taken{};
   for (int i = 0; i < count; i += frame::kPart) {
     const int some = count - i < frame::kPart ? count - i : frame::kPart;
+    CAROM_REGION_BEGIN("frame");
     frame::take(batch, first + static_cast<size_t>(i), some, taken, i, works.before, slot + i);
+    CAROM_REGION_END("frame");
   }
   Flight flight{};
   flight.start.v_n = load(taken.v_n);
@@ -2974,7 +2978,9 @@ CAROM_INLINE void work_through(const Batch& batch, size_t first, int count, Work
     Flights& later = works.flights[1 - wave];
     while (now.count <= (kWave - 1) * kLanes && next < count) {
       const int some = count - next < kLanes ? count - next : kLanes;
+      CAROM_REGION_BEGIN("take");
       take_up(batch, first + static_cast<size_t>(next), some, next, works, now);
+      CAROM_REGION_END("take");
       next += some;
     }
     later.count = 0;
@@ -3024,8 +3030,10 @@ inline size_t collide_block(const Batch& batch, size_t first, int count, Works& 
   size_t good = 0;
   for (int slot = 0; slot < count; slot += frame::kPart) {
     const int some = count - slot < frame::kPart ? count - slot : frame::kPart;
+    CAROM_REGION_BEGIN("leave");
     good += frame::put_down(batch, first + static_cast<size_t>(slot), some, by_place, slot,
                             works.before);
+    CAROM_REGION_END("leave");
   }
   return good;
 }

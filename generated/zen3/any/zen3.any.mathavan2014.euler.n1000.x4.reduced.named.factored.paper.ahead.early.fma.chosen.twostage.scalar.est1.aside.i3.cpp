@@ -3,7 +3,7 @@
 // kernel:   zen3.any.mathavan2014.euler.n1000.x4.reduced.named.factored.paper.ahead.early.fma.chosen.twostage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene any --model mathavan2014
-// inputs:   sha256 a4591212538b37ce
+// inputs:   sha256 e1587f13e20a5dfc
 #include "carom.h"
 
 #include <cmath>
@@ -1018,6 +1018,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -1028,6 +1029,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

@@ -3,7 +3,7 @@
 // kernel:   zen3.any.pooltool.euler.n1000.x4.reduced.named.factored.chain.prev.early.fma.chosen.onestage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene any --model pooltool
-// inputs:   sha256 1c9dcb8667348a70
+// inputs:   sha256 a0b77d3008694aba
 #include "carom.h"
 
 #include <cmath>
@@ -915,6 +915,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -925,6 +926,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

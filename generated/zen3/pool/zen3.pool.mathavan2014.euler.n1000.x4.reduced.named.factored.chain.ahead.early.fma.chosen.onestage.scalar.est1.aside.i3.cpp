@@ -3,7 +3,7 @@
 // kernel:   zen3.pool.mathavan2014.euler.n1000.x4.reduced.named.factored.chain.ahead.early.fma.chosen.onestage.scalar.est1.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene pool --model mathavan2014
-// inputs:   sha256 c69a547e5cd39f27
+// inputs:   sha256 bd7450b77260c345
 #include "carom.h"
 
 #include <cmath>
@@ -938,6 +938,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -948,6 +949,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));

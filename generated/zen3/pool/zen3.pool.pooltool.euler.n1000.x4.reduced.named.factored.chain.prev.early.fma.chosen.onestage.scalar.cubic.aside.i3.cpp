@@ -3,7 +3,7 @@
 // kernel:   zen3.pool.pooltool.euler.n1000.x4.reduced.named.factored.chain.prev.early.fma.chosen.onestage.scalar.cubic.aside.i3
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene pool --model pooltool
-// inputs:   sha256 76739d9ccefb3492
+// inputs:   sha256 c661b57ceb598914
 #include "carom.h"
 
 #include <cmath>
@@ -913,6 +913,7 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
+  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -923,6 +924,7 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
+  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));
