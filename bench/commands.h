@@ -53,8 +53,8 @@ void time_plan(const Time& options);
 struct Threads {
   std::string kernel, cases;
   std::size_t count = 32768;  ///< collisions in the batch, the cases over and over
-  int rounds = 30;           ///< the best of them counts
-  unsigned most = 0;         ///< threads; 0: one a core
+  int rounds = 30;            ///< the best of them counts
+  unsigned most = 0;          ///< threads; 0: one a core
 };
 void threads(const Threads& options);
 
