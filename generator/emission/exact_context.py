@@ -246,8 +246,8 @@ def _pressed_context(
     assert variant.stepper.budget is not None
     fma = variant["fma"] == "fma"
     real = precision_of(variant) if lanes else scene.precision
-    # Squares of doubles need no scale where speeds are bounded; floats that take their place do.
-    scaled = not scene.bounded or real != scene.precision
+    # Squares of doubles need no scale where speeds are bounded; lanes of floats take any speeds.
+    scaled = not scene.bounded or (lanes and real == "float")
     table = scene.table_friction
     changes = pressed_changes(terms, masses)
     k_b, k_f = changes[s.S2Y].coeff(s.D_Z), changes[s.S2X].coeff(s.T2X)

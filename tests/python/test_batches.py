@@ -331,6 +331,23 @@ def test_float_lanes_are_as_good_far_away_and_at_any_speed():
         assert worst.passed, worst.line()
 
 
+@pytest.mark.parametrize("spin", [1e4, 1e7, 1e9])
+def test_steps_in_floats_hold_beside_any_spin(spin):
+    """Floats lose an approach beside slips that are 1e8 times as fast, if they are let."""
+    tool = bench_tool()
+    target, width, *rest = [
+        k for k in STEPS_IN_FLOATS if k[3] == 1e-6 and read_host().runs(find_target(k[0]))
+    ][-1]
+    variant = _exact(target, width, "mathavan2014", *rest)
+    rows = tool.make_cases(80, 1000).rows
+    rows[:, 12] = spin  # rad/s, of ball 1 about x
+    got = tool.run_kernel(_built(variant).path, rows, batch=True)
+    worst = Worst(variant.stepper.budget)
+    worst.add(rows, ["fast spin"] * len(rows), got, tool.expect(rows, "exact", "mathavan2014"))
+    print(f"{variant.target} x{width}, {spin:g} rad/s: {worst.error:.2g}")
+    assert worst.passed, worst.line()
+
+
 def test_a_batch_may_be_shared_over_threads():
     """The outcomes of two and three threads are those of one, bit for bit; the scaling is shown."""
     tool = bench_tool()
