@@ -48,7 +48,6 @@ STEPS_IN_FLOATS = (
     ("x86-64-v2", 4, "dp54", 1e-6, {**IN_FLOATS, "lane_root": "cubic", "fma": "nofma"}),
     ("x86-64-v3", 8, "dp54", 1e-6, {**IN_FLOATS, "interleave": "i1", "fma": "fma"}),
     ("x86-64-v4", 16, "dp54", 1e-6, {**IN_FLOATS, "fma": "fma"}),
-    ("x86-64-v4", 16, "ss43", 1e-3, {**IN_FLOATS, "lane_root": "est0", "fma": "fma"}),
 )
 EXACT = (*IN_DOUBLES, *STEPS_IN_FLOATS)
 # The same in scene `arcade`: lanes of float, twice as many.
@@ -331,13 +330,11 @@ def test_float_lanes_are_as_good_far_away_and_at_any_speed():
         assert worst.passed, worst.line()
 
 
-@pytest.mark.parametrize("spin", [1e4, 1e7, 1e9])
+@pytest.mark.parametrize("spin", [1e7, 1e9])
 def test_steps_in_floats_hold_beside_any_spin(spin):
     """Floats lose an approach beside slips that are 1e8 times as fast, if they are let."""
     tool = bench_tool()
-    target, width, *rest = [
-        k for k in STEPS_IN_FLOATS if k[3] == 1e-6 and read_host().runs(find_target(k[0]))
-    ][-1]
+    target, width, *rest = [k for k in STEPS_IN_FLOATS if read_host().runs(find_target(k[0]))][-1]
     variant = _exact(target, width, "mathavan2014", *rest)
     rows = tool.make_cases(80, 1000).rows
     rows[:, 12] = spin  # rad/s, of ball 1 about x
