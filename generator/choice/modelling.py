@@ -18,6 +18,7 @@ from typing import Any
 
 from generator.choice.store import key_of
 from generator.choice.workbench import Candidate, Workbench
+from generator.emission.lanes import lane_context
 from generator.errors import KernelError
 from generator.targets.target import Target
 from generator.toolchain.build import build
@@ -139,16 +140,18 @@ def frame_bound(bench: Workbench, candidate: Candidate, target: Target) -> float
     """
     return frame_cycles(
         candidate.variant,
+        target,
         lambda region: loop_report(bench, candidate, target, region).throughput_bound,
     )
 
 
-def frame_cycles(variant: Variant, bound: Callable[[str], float]) -> float:
-    """The same from what a trip of each marked loop needs."""
-    whole = variant.width * variant.vectors
-    part = whole if precision_of(variant) == "double" else variant.width // 2  # always of doubles
+def frame_cycles(variant: Variant, target: Target, bound: Callable[[str], float]) -> float:
+    """The same from what a trip of each marked loop needs; loops inside them count as one trip."""
+    lanes = lane_context(target, variant.width, variant.vectors, precision=precision_of(variant))
+    part = lanes.frame.width if lanes.frame else lanes.whole
     # A trip of the outer loop, "take", is counted with one of the inner one, "frame".
-    return bound("take") / whole + bound("frame") * (1 / part - 1 / whole) + bound("leave") / part
+    rest = 1 / part - 1 / lanes.whole
+    return bound("take") / lanes.whole + bound("frame") * rest + bound("leave") / part
 
 
 def lanes_in_flight(variant: Variant) -> int:

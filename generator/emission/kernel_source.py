@@ -331,8 +331,8 @@ def _batch_lines(context: KernelContext) -> tuple[str, ...]:
     if context.lanes is None or not context.lanes.floats or context.scene.precision == "float":
         return ()
     return (
-        "Batches: the steps in floats, whose rounding is a small part of that; all that is before "
-        "and after them in doubles.",
+        "Batches: the steps in floats, whose rounding that bound includes; all that is before and "
+        "after them in doubles.",
     )
 
 

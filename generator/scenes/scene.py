@@ -28,7 +28,7 @@ LIMITS = {
 }
 TABLE_FRICTION = ("u_s1", "u_s2")
 SPEED_LIMITS = (1e-6, 1e6)  # m/s; where speeds are known to lie within, no square needs scaling
-FLOAT_BUDGET = 1e-4  # the tightest that float arithmetic is trusted with
+FLOAT_BUDGET = 1e-4  # the tightest for single calls in floats, whose frame is in floats too
 # Alciatore's ball-ball friction, u_b = a + b exp(-c slip), slip in m/s before the collision
 # (Alciatore, TP A.14; a fit to Marlow's measurements).
 ALCIATORE = (9.951e-3, 0.108, 1.088)

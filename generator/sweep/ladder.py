@@ -11,7 +11,7 @@ from generator.variants.variant import Variant
 RUNGS = (24, 96, 384)  # rounds of a timing
 KEPT = 4  # the best one in so many goes to the next rung
 FINALISTS = 32
-QUIET = 0.5  # share of a timing's rounds
+QUIET = 0.5  # share of the rounds that count: it is 1 where enough were quiet
 _PLAUSIBLE = 1.05  # what may still be the fastest: up to so much over the best seen
 
 
@@ -32,7 +32,7 @@ class Entry:
 
     @property
     def least(self) -> Times:
-        """The timing with the lowest ratio: what disturbs one hardly ever makes a kernel faster.
+        """The timing with the lowest ratio: other work costs a kernel more than the baseline.
 
         A kernel that was disturbed in its longest timing alone still gets into the final.
         """
@@ -45,14 +45,17 @@ class Entry:
 
     @property
     def low(self) -> float:
-        """The lower end of the ratio's interval.
+        """The lower end of the ratio's interval."""
+        return self.least.ratio_ci[0]
 
-        0 where the shortest timing had other work beside it on the core: the interval tells nothing
-        of what that costs, and a longer timing comes at another moment.
+    @property
+    def disturbed(self) -> bool:
+        """Had its only timing, the shortest, other work beside it on the core?
+
+        The interval tells nothing of what that costs; a longer timing comes at another moment.
         """
-        times = self.least
-        disturbed = self.rung == 0 and times.quiet is not None and times.quiet < QUIET
-        return 0.0 if disturbed else times.ratio_ci[0]
+        quiet = self.least.quiet
+        return self.rung == 0 and quiet is not None and quiet < QUIET
 
 
 def eligible(entry: Entry) -> bool:
@@ -69,7 +72,8 @@ def by_ratio(entries: Sequence[Entry]) -> list[Entry]:
 def promoted(entries: Sequence[Entry], rung: int) -> list[Entry]:
     """Those that shall be timed on the next rung: of a rung's best quarter, who was not yet.
 
-    And who may be the best by the interval of its ratio: on a busy machine 24 rounds tell little.
+    And who may be the best by the interval of its ratio, or was disturbed: on a busy machine 24
+    rounds tell little.
     """
     there = [e for e in entries if e.rung >= rung and eligible(e)]
 
@@ -80,7 +84,7 @@ def promoted(entries: Sequence[Entry], rung: int) -> list[Entry]:
     ranked = sorted(there, key=lambda e: (ratio_there(e), e.last.subject.name))
     quarter = -(-len(ranked) // KEPT)
     best = min((e.ratio for e in there), default=0.0)
-    chosen = ranked[:quarter] + [e for e in ranked[quarter:] if e.low < best]
+    chosen = ranked[:quarter] + [e for e in ranked[quarter:] if e.low < best or e.disturbed]
     return [e for e in chosen if e.rung == rung]
 
 

@@ -90,7 +90,7 @@ class Times(_Part):
     baseline_ns: float
     rounds: int
     ratios: tuple[float, ...]  # of each round
-    quiet: float | None = None  # share of rounds with nothing else on the core; None: not looked at
+    quiet: float | None = None  # share of these rounds with the core alone; None: not looked at
 
 
 class Rejection(_Part):

@@ -126,8 +126,11 @@ class Space:
     def _in_width(self, variant: Variant, width: int) -> Iterator[Variant]:
         """In another number of lanes, with each kind of number that these may hold."""
         moved, codes = in_width(variant, width), {a.key: c for a, c in self.axes(width)}
-        for code in codes.get("numbers", ("",)):
-            yield moved.with_options(numbers=code) if code else moved
+        if "numbers" not in codes:
+            yield moved
+            return
+        for code in codes["numbers"]:
+            yield moved.with_options(numbers=code)
 
     def neighbours(self, variant: Variant) -> list[Variant]:
         """Those of `steps_from` that are legal."""

@@ -56,7 +56,7 @@ class TimingRun:
     tsc_ghz: float
     cpu: int  # the CPU that the thread was kept on, or -1
     core_ghz: float = 0.0  # the core's clock after it; 0: not known
-    quiet: float = 1.0  # share of the rounds in which nothing else worked on the core
+    quiet: float = 1.0  # share of rounds that count with the core alone: 1 where eight had it
 
 
 def median_interval(values: Array, confidence: float = CONFIDENCE) -> Interval:

@@ -9,8 +9,8 @@ from generator.targets.target import Target
 from generator.variants.lanes import Precision, widths_of
 from generator.variants.variant import Variant
 
-# What the rounding of floats adds up to in a collision, relative to |v1 - v2|: the most that it
-# added to the error of 352,840 hard cases (docs/accuracy.md).
+# What the rounding of floats adds up to in a collision, relative to |v1 - v2|, with a margin: it
+# added up to 2e-7 to the errors of 352,840 hard cases by kind (docs/batches.md).
 FLOAT_ROUNDING = 5 * 2.0**-24
 # Of the budget, the rest of which is for the steps. Where the table drives its slip away from zero,
 # an error grows with the slip.

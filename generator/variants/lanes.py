@@ -7,7 +7,7 @@ from typing import Literal
 
 from generator.targets.target import Target
 
-Precision = Literal["double", "float"]  # of the numbers in lanes: the scene's
+Precision = Literal["double", "float"]  # of the numbers in lanes
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,8 @@ using Statuses = nb::ndarray<unsigned char, nb::shape<-1>, nb::c_contig, nb::dev
 
 constexpr double kDefaultError = 1e-6;
 constexpr int kMostSteps = 100000000;
-constexpr std::size_t kBlock = 1024;  // collisions that are gathered at once: what lanes work on
+constexpr std::size_t kBlock =
+    2048;  // collisions that are gathered at once: what lanes of floats work on
 
 std::string text_of(double value) {
   std::array<char, 32> text{};

@@ -16,7 +16,6 @@ from generator.toolchain.compilers import compilers_for, emulator_for
 from generator.toolchain.flags import compile_flags
 from generator.toolchain.mca import find_mca
 from generator.toolchain.traces import instrumented, traced
-from generator.variants.lane_numbers import widths_for
 from generator.variants.variant import Stepper, Variant, make_variant
 from generator.verification.euler import euler_verdict
 from generator.verification.exact import exact_verdict
@@ -162,4 +161,5 @@ def test_exact_kernels_are_chosen_by_what_they_execute_under_emulation(runner, m
         assert entry.ratio_to_baseline is not None and 0 < entry.ratio_to_baseline < 0.2
         assert chosen.modelled.cases > 0 and chosen.verdict.cases > 1000
     assert choice.chosen.variant.stepper.name == "dp54"
-    assert found[2].chosen.variant.width in widths_for(TARGET, "any", "exact")[1:]
+    lanes = found[2].chosen.variant
+    assert lanes.width == {"own": 2, "float": 4}[lanes["numbers"]]

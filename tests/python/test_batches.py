@@ -69,9 +69,8 @@ def _variant(target, width, model, steps, options):
 def _exact(target, width, model, tableau, budget, options, scene="any"):
     stepper = Stepper(tableau, budget=budget)
     made = make_variant(target, scene, model, stepper, width, **options)
-    if made["numbers"] == "float" and not allows_floats(budget, model):  # `pooltool` needs doubles
-        own = {**options, "numbers": "own"}
-        return _exact(target, width // 2, model, tableau, budget, own, scene)
+    if made["numbers"] == "float" and not allows_floats(budget, model):  # `pooltool`: from 7.2e-6
+        return _exact(target, width, model, tableau, 7.5e-6, options, scene)
     if broken_rule(made, find_target(target)) is None:
         return made
     return made.with_options(root="cubic", lane_root="cubic")  # `pooltool` needs finer ones

@@ -19,8 +19,9 @@ from generator.emission.kernel_source import emit
 from generator.scenes.scene import find_scene
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
-from generator.variants.lane_numbers import widths_for
-from generator.variants.names import name_of, source_name_of
+from generator.variants.lane_numbers import precision_of
+from generator.variants.lanes import widths_of
+from generator.variants.names import name_of, source_name_of, variant_of
 from generator.variants.presets import find_preset
 from generator.verification.reference import MODELS
 
@@ -97,8 +98,8 @@ def test_generated_kernels_have_lanes_for_their_batches(folder: Path) -> None:
         single, batch = selection.find(model, **goal), selection.find_batch(model, **goal)
         assert single is not None and batch is not None, (model, goal)
         print(f"{model}, {goal}: {batch.kernel}")
-        family = "euler" if "steps" in goal else "exact"
-        assert batch.width in widths_for(target, selection.scene, family)[1:] and single.width == 1
+        numbers = precision_of(variant_of(batch.kernel))
+        assert batch.width in widths_of(target, numbers)[1:] and single.width == 1
         assert single.ratio_to_baseline is not None and batch.ratio_to_baseline is not None
 
 

@@ -18,6 +18,7 @@ from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.build import build_library
 from generator.toolchain.flags import compile_flags
+from generator.toolchain.loops import marked_loops
 from generator.toolchain.mca import analyse, assembly_of, find_mca
 from generator.variants.presets import find_preset
 from generator.variants.variant import Stepper, Variant, make_variant
@@ -153,9 +154,11 @@ def test_reading_and_writing_a_collision_has_a_bound_too() -> None:
         def bound(region: str, text: str = text) -> float:
             return analyse(text, target, region).throughput_bound
 
-        bounds[numbers] = frame_cycles(wide, bound)
+        bounds[numbers] = frame_cycles(wide, target, bound)
         regions = {name: bound(name) for name in ("take", "frame", "leave")}
         print(f"{numbers}: {bounds[numbers]:.1f} cycles a collision; {regions}")
         assert regions["frame"] <= regions["take"]
+        trips = {p.iterations for loop in marked_loops(text, "frame") for p in loop.paths}
+        assert trips == {1}  # unrolled, "take" would hold both
     # Both move the same doubles.
     assert 20 < bounds["float"] < 1.2 * bounds["own"] < 150

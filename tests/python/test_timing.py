@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
@@ -222,9 +223,13 @@ def test_the_bench_says_which_rounds_were_quiet(tool: BenchTool, tmp_path: Path)
     library = compiled(tmp_path, "idles", WAKES % 0)
     cases = tool.make_cases(1, 4096).rows
     plan = TimingPlan(cases, (PlannedKernel("k", library),), "k", rounds=20, seconds=4)
+    begun = time.monotonic()
     document = tool.timing_document(plan)
+    took = time.monotonic() - begun
     quiet = document["quiet"]
-    print(f"{sum(quiet)} of {len(quiet)} rounds quiet; asked for {plan.rounds}")
+    print(f"{sum(quiet)} of {len(quiet)} rounds quiet in {took:.1f} s; asked for {plan.rounds}")
+    assert took < 1.5 * plan.seconds
+    assert sum(quiet) == plan.rounds or took > 0.4 * plan.seconds
     assert len(quiet) == document["rounds"] == len(document["throughput"]["control"]["looks"])
     assert sum(quiet) <= plan.rounds <= len(quiet)
 

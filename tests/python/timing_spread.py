@@ -72,9 +72,7 @@ def main() -> None:
     print(plan.kernels[1].name)
     for name, rows in found.items():
         quiet = [row for row in rows if row[2] >= QUIET]
-        print(
-            f"{name}: {len(rows) - len(quiet)} had less than half of their rounds quiet; the others"
-        )
+        print(f"{name}: {len(rows) - len(quiet)} had fewer than eight quiet rounds; the others")
         print(line("a collision", [row[0] for row in quiet], "ns"))
         print(line("of single calls", [row[1] for row in quiet]))
         print(line("a process took", [row[3] for row in rows], "s"))
