@@ -3,7 +3,7 @@
 // kernel:   zen3.any.bottom_slip.dp54.e1m06.x8.est1.fma.est1.s2.float
 // template: templates/kernel.cpp.j2
 // command:  ./gen --target zen3 --scene any --model bottom_slip
-// inputs:   sha256 a4564d64cc884f2a
+// inputs:   sha256 d65f02fcf830a6b2
 #include "carom.h"
 
 #include <cmath>
@@ -54,8 +54,8 @@ namespace {
 // Valid: R 1e-09 to 1000, M 1e-09 to 1e+06, u_s1 0 to 1, u_s2 0 to 1, u_b 0 to 1, e_b 0 to 1;
 // speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Batches: the steps in floats, whose rounding is a small part of that; all that is before and
-// after them in doubles.
+// Batches: the steps in floats, whose rounding that bound includes; all that is before and after
+// them in doubles.
 // Operations a step: 7 add, 109 mul, 208 fma, 1 div (533 flops), without the control of its length
 // and the roots' own.
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
@@ -1699,9 +1699,11 @@ CAROM_INLINE size_t leave(const Batch& batch, size_t first, int count, const Bal
 
 // ---- To the stepper and back --------------------------------------------------------------------
 
-constexpr int kPart = kLanes;  // collisions at once
-// Contact slip over approach velocity. Beside a longer one floats would lose the approach, so it counts as that:
-// its direction matters, which such a slip hardly changes.
+constexpr int kPart =
+    kLanes;  // collisions at once: lanes of double, half as many as the stepper has
+
+// Contact slip over approach velocity. Beside a longer one floats would lose the approach, so it is shortened to
+// that: its direction matters, which hardly changes beside so slow an approach.
 constexpr double kMostTurned = 1e7;
 
 struct Slips {
@@ -1720,8 +1722,8 @@ struct Origin {
   Real scale;                 // of speeds
 };
 
-// What `length` is shortened by so that it is at most `most`.
-CAROM_INLINE Real share_of(Real length, Real most) {
+// The factor that makes `length` at most `most`.
+CAROM_INLINE Real shrink_to(Real length, Real most) {
   const Mask longer = gt(length, most);
   if (!any(longer)) return real(1.0);
   CAROM_RARE();
@@ -1743,8 +1745,8 @@ CAROM_INLINE Origin origin_of(const Batch& batch, const Contact& b, Real u_b) {
   o.first = gt(c_z, real(0.0));
   const Real sign = select(o.first, real(-1.0), real(1.0));
   const Real longest = max(abs(c_x), abs(c_z));
-  const Real shrinks = share_of(longest, real(kMostTurned) * abs(v_n));
-  const Real fast = max(shrinks * longest, abs(v_n));
+  const Real shrink = shrink_to(longest, real(kMostTurned) * abs(v_n));
+  const Real fast = max(shrink * longest, abs(v_n));
   o.scale = power_of_two(max(fast, real(kSlowest)));
   const Real per_scale = inverse_of_power(o.scale);
   const Real along_x = per_scale * (b.v2x - b.v1x);
@@ -1754,9 +1756,9 @@ CAROM_INLINE Origin origin_of(const Batch& batch, const Contact& b, Real u_b) {
   o.relative = near_sqrt(min(square, real(kMostSlip * kMostSlip)));
   const Real s_x = sign * select(o.first, s1x, s2x);
   const Real s_y = sign * select(o.first, s1y, s2y);
-  const Real part = per_scale * share_of(max(abs(s_x), abs(s_y)), real(kMostSlip) * o.scale);
-  o.slips = Slips{c_x * (shrinks * per_scale), sign * c_z * (shrinks * per_scale), s_x * part,
-                  s_y * part};
+  const Real s_scale = per_scale * shrink_to(max(abs(s_x), abs(s_y)), real(kMostSlip) * o.scale);
+  o.slips = Slips{c_x * (shrink * per_scale), sign * c_z * (shrink * per_scale), s_x * s_scale,
+                  s_y * s_scale};
   o.v_n = v_n * per_scale;
   o.u_s = select(o.first, real(batch.p.u_s1), real(batch.p.u_s2));
   return o;
