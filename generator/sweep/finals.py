@@ -25,7 +25,8 @@ from generator.timing.ratios import Interval, TimingRun, control_band, joined, t
 PROCESSES = 6  # the range of six covers the median in 97 of 100
 FINAL_ROUNDS = 120  # in each
 FINAL_SECONDS = 8.0
-NEGLIGIBLE = 1.01  # what loses no more than this is a tie, and may be chosen
+NEGLIGIBLE = 1.01  # what loses no more than this may be chosen
+TIED = 1.02  # and no more than this is named a tie: two finals of a pair may differ by 1 %
 CLEARLY = 1.03  # a kernel that is faster than the choice by more than this beats it
 
 Purpose = Literal["choice", "verify-choice"]
@@ -72,12 +73,12 @@ class Rounds:
     def ties(self, name: str, best: str) -> bool:
         """Can a kernel not be told from the fastest, or by less than matters?
 
-        As timing.ratios has it, over processes. Without the second, of several kernels that differ
-        by less than 1 % each of two sweeps could choose one that the other names no tie.
+        As timing.ratios has it, over processes. Without the second, and without a margin over what
+        may be chosen, each of two sweeps could choose one that the other names no tie.
         """
         ratio, (least, most) = self.ratio(name, best)
         low, high = self.control()
-        return low <= ratio <= high or least <= 1 <= most or ratio <= NEGLIGIBLE
+        return low <= ratio <= high or least <= 1 <= most or ratio <= TIED
 
 
 def choose(exploration: Exploration) -> Final | None:

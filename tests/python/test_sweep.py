@@ -335,6 +335,20 @@ def test_of_ties_the_fewest_options_from_the_default_are_chosen(
     assert any(row.subject.options["rsqrt"] != "ahead" for row in final.finalists if row.tie)
 
 
+def test_what_is_slower_by_little_more_than_1_percent_is_a_tie_and_not_chosen(
+    tmp_path: Path,
+) -> None:
+    """Another sweep may measure less and choose it."""
+    with opened(tmp_path / "s.sqlite") as store:
+        lab = FakeLab(noise=0.0, speed=lambda v: 0.5 if v["rsqrt"] == "ahead" else 0.5075)
+        [outcome], _ = swept(store, lab, plan(FIXED, only=SMALLER, exhaustive=True))
+    final = outcome.final
+    assert final is not None
+    others = [row for row in final.finalists if row.subject.options["rsqrt"] != "ahead"]
+    assert others and all(row.tie for row in others)
+    assert chosen(final)["rsqrt"] == "ahead"
+
+
 def test_what_is_slower_by_2_percent_is_never_chosen_for_its_fewer_options(tmp_path: Path) -> None:
     with opened(tmp_path / "s.sqlite") as store:
         lab = FakeLab(noise=0.02, speed=lambda v: 0.5 if v["rsqrt"] == "ahead" else 0.51)
