@@ -56,7 +56,8 @@ def variant_of(name: str) -> Variant:
     axes = axes_of(stepper.family, int(width[1:]))
     if len(fields) - 6 != len(axes):
         raise ValueError(
-            f"'{name}' has {len(fields) - 6} choices; {stepper.name} {width} has {len(axes)}"
+            f"'{name}' has {len(fields) - 6} choices; {stepper.name} {width} has {len(axes)}: "
+            f"{'.'.join(a.key for a in axes)}"
         )
     options = {a.key: code for a, code in zip(axes, fields[6:], strict=True)}
     return make_variant(target, scene, model, stepper, int(width[1:]), **options)
