@@ -46,7 +46,6 @@ IN_DOUBLES = (
 # Steps in floats, the caller's arrays and the frame in doubles.
 STEPS_IN_FLOATS = (
     ("x86-64-v2", 4, "dp54", 1e-6, {**IN_FLOATS, "lane_root": "cubic", "fma": "nofma"}),
-    ("x86-64-v3", 8, "dp54", 1e-6, {**IN_FLOATS, "interleave": "i1", "fma": "fma"}),
     ("x86-64-v4", 16, "dp54", 1e-6, {**IN_FLOATS, "fma": "fma"}),
 )
 EXACT = (*IN_DOUBLES, *STEPS_IN_FLOATS)
