@@ -29,10 +29,16 @@ def allows_floats(budget: float, model: str) -> bool:
     return budget * (_SHARE_OF_DRIVEN_SLIP if driven else _SHARE) >= FLOAT_ROUNDING
 
 
+def steps_in_doubles(scene: str) -> bool:
+    """Has a scene steps, and in doubles? Only those can be made in floats instead."""
+    known = find_scene(scene)
+    return known.precision == "double" and not known.level
+
+
 def float_lanes(single: Variant, target: Target) -> tuple[int, ...]:
     """Numbers of lanes in which a kernel of doubles may make its steps in floats; widest first."""
-    scene, budget = find_scene(single.scene), single.stepper.budget or 0.0
-    if scene.precision == "float" or scene.level or not allows_floats(budget, single.model):
+    budget = single.stepper.budget or 0.0
+    if not (steps_in_doubles(single.scene) and allows_floats(budget, single.model)):
         return ()
     return tuple(sorted((w for w in widths_of(target, "float") if w > 1), reverse=True))
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from generator.scenes.scene import find_scene
 from generator.targets.target import Target
-from generator.variants.lane_numbers import allows_floats, precision_of
+from generator.variants.lane_numbers import allows_floats, precision_of, steps_in_doubles
 from generator.variants.lanes import widths_of
 from generator.variants.roots import allows
 from generator.variants.variant import Variant
@@ -191,7 +191,7 @@ RULES: tuple[Rule, ...] = (
     Rule(
         "floats-in-place-of-doubles",
         "only steps in doubles can be made in floats instead: use numbers=own",
-        lambda v, _t: _floats(v) and (find_scene(v.scene).precision == "float" or _closed(v)),
+        lambda v, _t: _floats(v) and not steps_in_doubles(v.scene),
     ),
     Rule(
         "floats-within-budget",

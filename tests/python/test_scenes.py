@@ -229,7 +229,6 @@ def test_a_scene_is_exact_inside(scene: str, compiler: str) -> None:
     assert verdict.cases >= 2000
 
 
-# Still over, and strictly expected to be: 2.5e-6 in one case of 2040.
 @pytest.mark.parametrize(
     ("scene", "model"),
     [
