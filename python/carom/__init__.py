@@ -28,7 +28,7 @@ class Status(IntEnum):
     OK = 0
     SEPARATING = 1  # the balls do not approach each other
     BAD_INPUT = 2  # not finite, coincident centres, or a parameter out of range
-    TILTED = 3  # the line of centres is not level
+    TILTED = 3  # the line of centres rises by more than 1e-6 of its length
 
 
 def columns(ball1: np.ndarray, ball2: np.ndarray) -> np.ndarray:

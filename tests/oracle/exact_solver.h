@@ -63,8 +63,8 @@ struct BasicOutcome {
 };
 using Outcome = BasicOutcome<double>;
 
-/// Angle limit, |dz| / |d|, above which a line of centres counts as tilted.
-constexpr double kTiltLimit = 1e-9;
+/// Rise |dz| / |d| above which a line of centres counts as tilted.
+constexpr double kTiltLimit = 1e-6;
 
 namespace detail {
 
@@ -458,7 +458,7 @@ inline bool valid(const Params& p) {
          in_range(p.u_b, 0, 1) && in_range(p.e_b, 0, 1);
 }
 
-/// Frame of the line of centres d. Rounding-level tilt is levelled, except in pooltool's model.
+/// Frame of the line of centres d. A rise of up to kTiltLimit is levelled, except in pooltool's model.
 template <class Real>
 int make_frame(const double ball1[9], const double ball2[9], bool as_pooltool, Frame<Real>* out) {
   Real d[3], most = 0;
