@@ -1,6 +1,8 @@
 #include "case_rows.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 
@@ -40,12 +42,16 @@ std::vector<CaseRow> read_case_rows(const std::string& path) {
   return rows;
 }
 
-void write_doubles(const std::string& path, const double* values, std::size_t count) {
+void write_file(const std::string& path, const void* data, std::size_t bytes) {
+  errno = 0;
   std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(values),
-             static_cast<std::streamsize>(count * sizeof(double)));
+  file.write(static_cast<const char*>(data), static_cast<std::streamsize>(bytes));
   file.close();
-  if (!file) throw std::runtime_error(path + ": cannot be written");
+  if (!file) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
+}
+
+void write_doubles(const std::string& path, const double* values, std::size_t count) {
+  write_file(path, values, count * sizeof(double));
 }
 
 }  // namespace carom_bench

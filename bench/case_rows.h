@@ -39,10 +39,13 @@ CaseRow to_row(const Case& one);
 /// line that names the file if it cannot be read or is not a whole number (at least 1) of rows.
 std::vector<CaseRow> read_case_rows(const std::string& path);
 
-/// Writes `count` doubles. Throws std::runtime_error naming the file if it cannot be written.
+/// Writes a file. Throws std::runtime_error naming it and the reason if it cannot be written.
+void write_file(const std::string& path, const void* data, std::size_t bytes);
+
+/// Writes `count` doubles. Throws as write_file.
 void write_doubles(const std::string& path, const double* values, std::size_t count);
 
-/// Writes rows of doubles one after the other. Throws as write_doubles.
+/// Writes rows of doubles one after the other. Throws as write_file.
 template <std::size_t N>
 void write_rows(const std::string& path, const std::vector<std::array<double, N>>& rows) {
   static_assert(sizeof(std::array<double, N>) == N * sizeof(double), "rows must be packed");

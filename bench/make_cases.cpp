@@ -1,6 +1,5 @@
 #include <array>
 #include <cstdlib>
-#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -37,10 +36,9 @@ Fixed parse_fixed(const std::string& text) {
 }
 
 void write_kinds(const std::string& path, const std::vector<Case>& cases) {
-  std::ofstream file(path);
-  for (const Case& one : cases) file << one.kind << '\n';
-  file.close();
-  if (!file) throw std::runtime_error(path + ": cannot be written");
+  std::string text;
+  for (const Case& one : cases) text.append(one.kind).append("\n");
+  write_file(path, text.data(), text.size());
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -105,11 +104,7 @@ std::vector<OutcomeRow> run_cases(const KernelLibrary& library, const Run& optio
 void write_trace(const std::string& path, TraceFunction trace) {
   const std::uint32_t* blocks = nullptr;
   const std::size_t count = trace(&blocks);
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(blocks),
-             static_cast<std::streamsize>(count * sizeof(*blocks)));
-  file.close();
-  if (!file) throw std::runtime_error(path + ": cannot be written");
+  write_file(path, blocks, count * sizeof(*blocks));
 }
 
 }  // namespace

@@ -189,10 +189,8 @@ double tsc_ghz() {
 }
 
 void write_json(const std::string& path, const Json& json) {
-  std::ofstream file(path);
-  file << json.dump() << '\n';
-  file.close();
-  if (!file) throw std::runtime_error(path + ": cannot be written");
+  const std::string text = json.dump() + '\n';
+  write_file(path, text.data(), text.size());
 }
 
 Libraries open_libraries(const Plan& plan) {

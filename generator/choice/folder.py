@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator.choice.selection import FILE, Selection, read_selection
-from generator.emission.files import write_atomically
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
+from generator.files import write_file
 from generator.scenes.models import find_model
 from generator.scenes.scene import find_scene
 from generator.targets.target import find_target
@@ -97,7 +97,7 @@ def write_files(folder: Path, files: dict[str, str]) -> list[Path]:
     """As `write_folder`, of texts that were made already."""
     folder.mkdir(parents=True, exist_ok=True)
     for name in sorted(files, key=lambda n: n == FILE):
-        write_atomically(folder / name, files[name])
+        write_file(folder / name, files[name])
     for stray in _strays(folder, files):
         remove(stray)
     return [folder / name for name in files]

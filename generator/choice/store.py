@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from generator.emission.files import write_atomically
+from generator.files import write_file
 from generator.verification.errors import Array
 
 
@@ -45,7 +45,7 @@ class Store:
                 self.count(kind, True)
                 return document
         document = make()
-        write_atomically(path, json.dumps(document))
+        write_file(path, json.dumps(document), parents=True)
         self.count(kind, False)
         return document
 

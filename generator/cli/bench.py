@@ -22,8 +22,8 @@ def bench(target: str, scene: str, model: str | None, json_path: Path, seconds: 
     from generator.choice.lookup import require_runs
     from generator.choice.selection import read_selection
     from generator.cli.bench_rows import bench_rows
-    from generator.cli.session import ROOT, require_place, resolve_target, workbench
-    from generator.emission.files import write_atomically
+    from generator.cli.session import ROOT, resolve_target, workbench
+    from generator.files import is_stdout, require_place, write_file
     from generator.scenes.models import find_model
     from generator.scenes.scene import find_scene
 
@@ -55,11 +55,12 @@ def bench(target: str, scene: str, model: str | None, json_path: Path, seconds: 
             },
             "kernels": [row.document() for row in rows],
         }
-    write_atomically(json_path, json.dumps(document, indent=2) + "\n")
+    write_file(json_path, json.dumps(document, indent=2) + "\n")
+    apart = is_stdout(json_path)
     for row in rows:
-        click.echo(row.line())
+        click.echo(row.line(), err=apart)
         if line := row.threads_line():
-            click.echo(line)
+            click.echo(line, err=apart)
     failed = [row for row in rows if row.rejected]
-    click.echo(f"{len(rows)} kernels, {len(failed)} failed; written: {json_path}")
+    click.echo(f"{len(rows)} kernels, {len(failed)} failed; written: {json_path}", err=apart)
     return 1 if failed else 0

@@ -35,9 +35,9 @@ def collide(
         with_compiler_found,
     )
     from generator.cli.case_table import outcome_text, read_case_table
-    from generator.cli.session import ROOT, require_place, resolve_target, workbench
-    from generator.emission.files import write_atomically
+    from generator.cli.session import ROOT, resolve_target, workbench
     from generator.errors import KernelError
+    from generator.files import is_stdout, require_place, write_file
     from generator.scenes.models import find_model
     from generator.scenes.scene import find_scene
     from generator.steppers.budgets import plan_for
@@ -69,6 +69,7 @@ def collide(
             batch=batch,
             timeout=60.0 + 1e-7 * (steps or 10_000) * len(table.rows),
         )
-    write_atomically(out, outcome_text(table.ids, outcomes))
+    write_file(out, outcome_text(table.ids, outcomes))
     good = int((outcomes[:, 12] == 0).sum())
-    click.echo(f"{len(table.ids)} cases, {good} collided, by {candidate.name}; written: {out}")
+    told = f"{len(table.ids)} cases, {good} collided, by {candidate.name}; written: {out}"
+    click.echo(told, err=is_stdout(out))

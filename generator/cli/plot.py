@@ -30,7 +30,7 @@ def plot(
     seconds: float,
 ) -> None:
     """Draw time against error of fixed steps and exact steppers; its data goes beside as JSON."""
-    from generator.cli.session import require_place
+    from generator.files import require_place
 
     if out.suffix != ".svg":
         raise InputError(f"{out}: expected the name of an SVG file, as plot.svg")
@@ -45,12 +45,12 @@ def plot(
 
 def _models(out: Path) -> None:
     from generator.cli.session import cache_folder
-    from generator.emission.files import write_atomically
     from generator.figures.model_gap import draw, model_gaps
+    from generator.files import write_file
     from generator.timing.bench_tool import build_bench_tool
 
     gaps = model_gaps(build_bench_tool(cache_folder()))
-    write_atomically(out, draw(gaps))
+    write_file(out, draw(gaps))
     for (model, spin), gap in gaps.items():
         click.echo(
             f"{model}, {spin}: velocities up to {gap.speed.max():.2f} % apart, the object ball's "
@@ -60,9 +60,9 @@ def _models(out: Path) -> None:
 
 
 def _redraw(out: Path, source: Path) -> None:
-    from generator.emission.files import write_atomically
     from generator.figures.speed_error import measured_of
     from generator.figures.speed_error_svg import draw
+    from generator.files import write_file
 
     try:
         measured = measured_of(json.loads(source.read_text("utf-8")))
@@ -70,16 +70,16 @@ def _redraw(out: Path, source: Path) -> None:
         raise InputError(f"{source}: cannot be read: {error.strerror}") from None
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"{source}: not what gen plot wrote: {error}") from None
-    write_atomically(out, draw(measured))
+    write_file(out, draw(measured))
     click.echo(f"written: {out}")
 
 
 def _measure(out: Path, target: str, scene: str, model: str | None, seconds: float) -> None:
     from generator.choice.lookup import require_runs
-    from generator.cli.session import ROOT, require_place, resolve_target, workbench
-    from generator.emission.files import write_atomically
+    from generator.cli.session import ROOT, resolve_target, workbench
     from generator.figures.speed_error import measure
     from generator.figures.speed_error_svg import draw
+    from generator.files import require_place, write_file
     from generator.scenes.models import find_model
     from generator.scenes.scene import find_scene
 
@@ -92,8 +92,8 @@ def _measure(out: Path, target: str, scene: str, model: str | None, seconds: flo
     require_runs(host, resolved)
     with workbench() as bench:
         measured = measure(bench, ROOT / "generated", resolved, host, scene, known, seconds)
-    write_atomically(data, json.dumps(measured.document(), indent=1) + "\n")
-    write_atomically(out, draw(measured))
+    write_file(data, json.dumps(measured.document(), indent=1) + "\n")
+    write_file(out, draw(measured))
     for p in measured.points:
         goal = f"N = {p.steps}" if p.steps else f"E = {p.budget:g}"
         over = "" if p.within_budget else "  over its budget"

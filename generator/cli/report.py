@@ -50,8 +50,8 @@ def report(
     seconds: float,
 ) -> None:
     """Lay out a stored sweep and what was measured as one page; its data goes beside as JSON."""
-    from generator.cli.session import cache_folder, require_place, resolve_target
-    from generator.emission.files import write_atomically
+    from generator.cli.session import cache_folder, resolve_target
+    from generator.files import require_place, write_file
     from generator.report.gather import gather
     from generator.report.measured import measured_path, read_measured
     from generator.report.page import json_of, render
@@ -84,12 +84,12 @@ def report(
     commands.append(f"./gen report{options}{where} --out {out.name}")
     made = gather(resolved.name, scene, known, host.cpu, stored, measured, commands)
     page = render(made)
-    write_atomically(data, json_of(made) + "\n")
-    write_atomically(out, page)
+    write_file(data, json_of(made) + "\n")
+    write_file(out, page)
     for what, reason in made.missing.items():
         if what != "published":
             click.echo(f"not known: {what}: {reason}", err=True)
-    size = out.stat().st_size / 1e6
+    size = len(page.encode()) / 1e6
     click.echo(f"written: {out} ({size:.2f} MB), {data}")
 
 

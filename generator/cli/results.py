@@ -20,7 +20,7 @@ def merge(stores: tuple[Path, ...], out: Path) -> None:
     from generator.errors import InputError
     from generator.sweep.store import merge as merged
 
-    if out in stores:
+    if out.resolve() in [path.resolve() for path in stores]:
         raise InputError(f"--out {out}: is one of the stores that are read; name another")
     if not out.parent.is_dir():
         raise InputError(f"--out {out}: there is no folder {out.parent}; make it first")

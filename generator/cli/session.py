@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import platform
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -27,16 +25,6 @@ def resolve_target(name: str) -> tuple[Target, Host]:
     """The target that a name stands for; `native` is this host's CPU."""
     host = read_host()
     return (host.target if name == "native" else find_target(name)), host
-
-
-def require_place(path: Path) -> None:
-    """Raise InputError where a file cannot be written, before any work is done for it."""
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; expected the name of a file")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {path.parent}; make it first")
-    if not os.access(path.parent, os.W_OK):
-        raise InputError(f"{path}: no permission to write in {path.parent}")
 
 
 @contextmanager

@@ -15,9 +15,9 @@ from pathlib import Path
 from generator.choice.candidates import default_lanes
 from generator.choice.lookup import Goal, default_kernel
 from generator.emission.client_file import client_file
-from generator.emission.files import write_atomically
 from generator.emission.isa import compiled_features
 from generator.emission.kernel_source import KernelSource, Naming, emit
+from generator.files import write_file
 from generator.scenes.models import MODELS
 from generator.targets.target import Target, target_or_port
 from generator.variants.names import symbol_of
@@ -120,7 +120,7 @@ def write_kernel_set(folder: Path, targets: tuple[str, ...] = TARGETS) -> int:
     for name, text in files.items():
         path = folder / name
         if not path.is_file() or path.read_text("utf-8") != text:
-            write_atomically(path, text)
+            write_file(path, text, parents=True)
             changed += 1
     for stray in [p for p in folder.glob("*.cpp") if p.name not in files]:
         stray.unlink()

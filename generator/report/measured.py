@@ -13,8 +13,8 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from generator.emission.files import write_atomically
 from generator.errors import InputError
+from generator.files import write_file
 from generator.sweep.sources import hash_of_rooms
 
 SCHEMA = 2
@@ -180,8 +180,7 @@ def measured_path(cache: Path, target: str, scene: str, model: str) -> Path:
 
 
 def write_measured(path: Path, measured: Measured) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_atomically(path, measured.model_dump_json(indent=1) + "\n")
+    write_file(path, measured.model_dump_json(indent=1) + "\n", parents=True)
 
 
 def read_measured(path: Path) -> Measured | None:

@@ -17,8 +17,8 @@ from generator.choice.workbench import (
     Workbench,
     verification_hash,
 )
-from generator.emission.files import write_atomically
 from generator.errors import EmissionError, KernelCrash, KernelError, KernelTimeout
+from generator.files import write_file
 from generator.sweep.record import Rejection
 from generator.sweep.sources import emission_hash, source_hash
 from generator.targets.host import Host, read_host
@@ -175,5 +175,5 @@ def installed(cache: Path, key: str, content: bytes) -> Path:
     """A library that was built on another machine, in this one's cache."""
     path = cache / "received" / key / "kernel.so"
     if not path.is_file():
-        write_atomically(path, content)
+        write_file(path, content, parents=True)
     return path

@@ -11,6 +11,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from generator.errors import InputError
+from generator.files import require_regular
 from generator.sweep.record import SCHEMA, Final, Record, Run, Trial, parse_record
 
 FILE = "sweep.sqlite"
@@ -43,8 +44,11 @@ class ResultStore:
         """Keep a sealed record, once; it is on the disk when this returns."""
         body: dict[str, Any] = record.model_dump(mode="json")
         row = (record.id, body["kind"], record.key, record.made_at, record.model_dump_json())
-        with self._connection:
-            self._connection.execute("INSERT OR IGNORE INTO record VALUES (?, ?, ?, ?, ?)", row)
+        try:
+            with self._connection:
+                self._connection.execute("INSERT OR IGNORE INTO record VALUES (?, ?, ?, ?, ?)", row)
+        except sqlite3.Error as error:
+            raise InputError(f"{self.path}: cannot be written: {error}") from None
 
     def records(self, kind: str = "%") -> Iterator[Run | Trial | Final]:
         """All records of a kind, oldest first. Raises InputError naming one that does not read."""
@@ -104,14 +108,17 @@ def opened(path: Path) -> Iterator[ResultStore]:
 
     Raises InputError where another sweep has it, or where the file is no store.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
     lock = FileLock(f"{path}.lock")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        require_regular(path)
         lock.acquire(timeout=0)
     except Timeout:
         raise InputError(
             f"{path}: another sweep is writing to it; wait for it or name another --store"
         ) from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
     try:
         with _connection(path, "rwc") as connection:
             yield ResultStore(path, connection)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import secrets
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator.errors import InputError
+from generator.files import keep_rights
 from generator.vendoring.manifest import FILE, Manifest, read_manifest, sha256_of
 
 _AT_FDCWD, _EXCHANGE = -100, 2  # of Linux's renameat2
@@ -47,7 +49,8 @@ def require_replaceable(folder: Path, edited_too: bool = False) -> None:
 
     `edited_too`: changes by hand in a vendored folder may go.
     """
-    if not folder.exists() and not folder.is_symlink():
+    if not folder.exists():
+        _require_maker(folder)
         return
     if not folder.is_dir():
         raise InputError(f"--out {folder}: is no folder; name one that is empty or not there yet")
@@ -66,6 +69,15 @@ def require_replaceable(folder: Path, edited_too: bool = False) -> None:
         )
 
 
+def _require_maker(folder: Path) -> None:
+    """Raise InputError where the folder cannot be made, before hours are spent."""
+    above = next(place for place in folder.resolve().parents if place.exists())
+    if not above.is_dir():
+        raise InputError(f"--out {folder}: {above} is no folder")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise InputError(f"--out {folder}: no permission to write in {above}")
+
+
 @contextmanager
 def staged(folder: Path) -> Iterator[Path]:
     """A new folder beside `folder` that takes its place when all went well.
@@ -74,14 +86,12 @@ def staged(folder: Path) -> Iterator[Path]:
     place or no permission.
     """
     final = folder.resolve()
+    scratch = final.with_name(f".carom-{secrets.token_hex(8)}")
     try:
-        final.parent.mkdir(parents=True, exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=f".{final.name}.", dir=final.parent))
-    except OSError as error:
-        raise InputError(f"--out {folder}: cannot be written: {error.strerror or error}") from None
-    try:
+        scratch.mkdir(parents=True)
         yield scratch
-        scratch.chmod(0o755)
+        if final.exists():
+            keep_rights(scratch, final.stat())
         _swap(scratch, final)
     except OSError as error:
         raise InputError(f"--out {folder}: cannot be written: {error.strerror or error}") from None

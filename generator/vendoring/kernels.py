@@ -17,8 +17,8 @@ from generator.choice.job import STEPS, exact_job, fixed_step_job, verify
 from generator.choice.lookup import Goal
 from generator.choice.selection import FILE, Selected, Selection, batch_rank
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Workbench
-from generator.emission.files import write_atomically
 from generator.errors import KernelError
+from generator.files import write_file
 from generator.targets.host import Host
 from generator.targets.target import Target, find_target
 from generator.variants.names import name_of, variant_of
@@ -175,4 +175,4 @@ def _store(places: Places, request: VendorRequest, target: str, made: TargetKern
         target=target, resolved=target, scene=request.scene, kernels=[]
     )
     entries = [entry for entry in (made.single, made.batch) if entry is not None]
-    write_atomically(folder / FILE, selection.with_entries(entries).text())
+    write_file(folder / FILE, selection.with_entries(entries).text(), parents=True)

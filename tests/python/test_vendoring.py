@@ -20,9 +20,9 @@ from generator.choice.selection import FILE as SELECTION
 from generator.choice.selection import Selection
 from generator.choice.workbench import Workbench
 from generator.cli.main import gen
-from generator.emission.files import write_atomically
 from generator.emission.isa import compiled_features
 from generator.errors import InputError
+from generator.files import write_file
 from generator.scenes.scene import find_scene
 from generator.targets.host import KNOWN_CPUS, read_host
 from generator.targets.target import targets
@@ -278,7 +278,7 @@ def test_verify_says_out_of_date_where_another_kernel_is_chosen_by_now(tmp_path)
     for ratio, reasons in ((None, 0), (0.4, 1)):
         entry = record.model_copy(update={"ratio_to_baseline": ratio})
         chosen = Selection(target="zen3", resolved="zen3", scene="any", kernels=[entry])
-        write_atomically(places.cache / "zen3" / "any" / SELECTION, chosen.text())
+        write_file(places.cache / "zen3" / "any" / SELECTION, chosen.text(), parents=True)
         assert stored_kernels(places, request, "zen3") == TargetKernels(entry)
         found = compare(made, places, bench_tool())
         print(found.outdated)
@@ -295,7 +295,7 @@ def test_a_stored_choice_for_batches_is_vendored_beside_that_for_single_calls(tm
     ]
     places = nowhere(tmp_path)
     stored = Selection(target="zen3", resolved="zen3", scene="any", kernels=[single, *wide])
-    write_atomically(places.cache / "zen3" / "any" / SELECTION, stored.text())
+    write_file(places.cache / "zen3" / "any" / SELECTION, stored.text(), parents=True)
     assert stored_kernels(places, request, "zen3") == TargetKernels(single, wide[1])
     made = vendored(tmp_path / "carom", request)
     found = compare(made, places, bench_tool())
@@ -309,7 +309,7 @@ def test_other_steps_take_the_choice_at_a_thousand_lanes_included(tmp_path) -> N
     places, host = nowhere(tmp_path), read_host()
     base = [record_for(thousand, "x86-64-v2", width) for width in (1, 2)]
     stored = Selection(target="x86-64-v2", resolved="x86-64-v2", scene="any", kernels=base)
-    write_atomically(places.cache / "x86-64-v2" / "any" / SELECTION, stored.text())
+    write_file(places.cache / "x86-64-v2" / "any" / SELECTION, stored.text(), parents=True)
     bench = Workbench(bench_tool(), CACHE.parent, {c.code: c for c in find_compilers()})
     made = kernels_for(places, request, "x86-64-v2", bench, host, 1.0)
     assert made.batch is not None
