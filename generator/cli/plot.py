@@ -44,9 +44,9 @@ def plot(
 
 
 def _models(out: Path) -> None:
-    from generator.cli.session import cache_folder
     from generator.figures.model_gap import draw, model_gaps
     from generator.files import write_file
+    from generator.places import cache_folder
     from generator.timing.bench_tool import build_bench_tool
 
     gaps = model_gaps(build_bench_tool(cache_folder()))

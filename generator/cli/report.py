@@ -50,8 +50,9 @@ def report(
     seconds: float,
 ) -> None:
     """Lay out a stored sweep and what was measured as one page; its data goes beside as JSON."""
-    from generator.cli.session import cache_folder, resolve_target
+    from generator.cli.session import resolve_target
     from generator.files import require_place, write_file
+    from generator.places import cache_folder
     from generator.report.gather import gather
     from generator.report.measured import measured_path, read_measured
     from generator.report.page import json_of, render

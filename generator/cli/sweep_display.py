@@ -71,14 +71,15 @@ def displayed(display: SweepDisplay, console: Console) -> Iterator[Observer]:
         with Live(console=console, refresh_per_second=4, transient=True) as live:
             yield lambda progress: live.update(_table(display.rows(progress)))
         return
-    last = {"time": float("-inf"), "contest": ""}
+    last_time, last_contest = float("-inf"), ""
 
     def line(progress: Progress) -> None:
+        nonlocal last_time, last_contest
         rows = dict(display.rows(progress))
         now = time.monotonic()
-        new = rows["contest"] != last["contest"]
-        if new or now - last["time"] >= _QUIET_SECONDS:
-            last.update(time=now, contest=rows["contest"])
+        new = rows["contest"] != last_contest
+        if new or now - last_time >= _QUIET_SECONDS:
+            last_time, last_contest = now, rows["contest"]
             said = [rows[key] for key in ("time", "contest", "doing", "done", "best so far")]
             text = "carom: " + "; ".join(said)
             console.print(text, highlight=False, markup=False, soft_wrap=True)

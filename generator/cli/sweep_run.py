@@ -16,9 +16,10 @@ from generator.choice.folder import checked_selection, require_writable
 from generator.choice.job import STEPS
 from generator.cli.cluster import connected
 from generator.cli.interrupts import kept
-from generator.cli.session import ROOT, cache_folder, resolve_target, workbench
+from generator.cli.session import ROOT, resolve_target, workbench
 from generator.cli.sweep_display import SweepDisplay, displayed, say_outcomes, say_verified
 from generator.errors import InputError
+from generator.places import cache_folder
 from generator.scenes.models import find_model
 from generator.scenes.scene import find_scene
 from generator.steppers.budgets import plan_for
@@ -198,7 +199,7 @@ def _contests(asked: Asked, target: Target, model: str, max_error: float) -> tup
     if both or asked.steps is not None:
         goals.append((steps, None))
     return tuple(
-        Contest(target.name, asked.scene, model, *goal, call)  # type: ignore[arg-type]
+        Contest(target.name, asked.scene, model, *goal, call)
         for call in ("scalar", "batch")
         if asked.call in (None, call)
         for goal in goals

@@ -84,7 +84,8 @@ def _is_given(context: click.Context, name: str | None) -> bool:
 
 
 def _places() -> Places:
-    from generator.cli.session import ROOT, cache_folder
+    from generator.cli.session import ROOT
+    from generator.places import cache_folder
     from generator.vendoring.kernels import Places
 
     return Places(ROOT / "generated", cache_folder() / "selections")

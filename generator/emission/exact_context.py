@@ -259,7 +259,7 @@ def _pressed_context(
     ends = CollisionEnds(terms, masses_of(scene.mass_ratio), at_zero(scene), fma, lanes)
     floats = real == "float"
     gains = floats or plan.budget < 1e-10
-    slips = SLIPS_BEFORE if table else ("c_x", "c_z", "v_n")
+    slips: tuple[str, ...] = SLIPS_BEFORE if table else ("c_x", "c_z", "v_n")
     resting = ("s2x", "s2y") if scene.object_ball == "rest" else ()
     if scene.level:
         slips = ("c_x", "v_n")

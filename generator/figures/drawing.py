@@ -18,7 +18,7 @@ BLACK, ORANGE, SKY, GREEN, BLUE, RED, PINK, GREY = (
     "#cc79a7",
     "#767676",
 )
-_STYLE = {
+_STYLE: dict[str, Any] = {
     "svg.hashsalt": "carom",
     "svg.fonttype": "path",  # a reader's fonts would move the text
     "figure.facecolor": "white",
@@ -41,7 +41,8 @@ def figure(columns: int = 1, width: float = 8.0, height: float = 5.2) -> Iterato
     """A figure and its axes, in the style of all."""
     import matplotlib
 
-    with matplotlib.rc_context(rc={**matplotlib.rcParamsDefault, "backend": "svg", **_STYLE}):
+    style: dict[Any, Any] = {**matplotlib.rcParamsDefault, "backend": "svg", **_STYLE}
+    with matplotlib.rc_context(rc=style):
         from matplotlib.figure import Figure
 
         made = Figure(figsize=(width, height), layout="constrained")

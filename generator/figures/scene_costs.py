@@ -74,20 +74,22 @@ def _cost(bench: Workbench, target: Target, name: str, seconds: float) -> SceneC
     for candidate in candidates:
         _require_exact(bench, candidate)
     cases = bench.timing_cases(name, scene.model)
-    counted = [_counted(bench, candidate, target, cases) for candidate in candidates]
+    counted, counted_any = (_counted(bench, each, target, cases) for each in candidates)
     kernels = tuple(
         PlannedKernel(c.variant.scene, c.library.path) for c in candidates if c.library is not None
     )
     bench.progress(f"timing scene {name} for {seconds:.0f} s", 0, 1)
     run = bench.tool.time(TimingPlan(cases, kernels, PLAIN, rounds=_ROUNDS, seconds=seconds))
     times = {result.name: result for result in timing_results(run)}
-    steps = [candidate.source.counts.flops for candidate in candidates]
+    step, step_any = (candidate.source.counts.flops for candidate in candidates)
     found = times[name]
     return SceneCost(
         name,
         scene.max_error,
-        *steps,
-        *counted,
+        step,
+        step_any,
+        counted,
+        counted_any,
         found.ns,
         times[PLAIN].ns,
         found.ratio,

@@ -119,9 +119,9 @@ def measure(
     _find_errors(bench, entries, scene, model)
     entries = [entry for entry in entries if entry.error < 1]
     times = _times(bench, entries, seconds)
-    points = [_point(entry, times[entry.candidate.name]) for entry in entries]
+    found = [_point(entry, times[entry.candidate.name]) for entry in entries]
     versions = {code: compiler.version for code, compiler in bench.compilers.items()}
-    points = _ordered(_with_the_chosen(points))
+    points = _ordered(_with_the_chosen(found))
     return Measured(host.cpu, target.name, scene, model, versions, points)
 
 

@@ -7,6 +7,7 @@ and the report take it. The parts are printed here; templates/fixed_step lays th
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import sympy as sp
@@ -62,7 +63,7 @@ class Part:
     lines: tuple[str, ...]
     counts: OperationCounts
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self.lines)
 
 
@@ -401,14 +402,14 @@ class FixedStepLowering:
         t_x, t_y = (sp.Symbol(f"t_{a}", real=True) for a in "xy")
         for kind, first, second in (("v", s.V1, s.V2), ("o", s.O1, s.O2)):
             for index, axis in enumerate("xyz" if kind == "o" else "xy"):
-                pair = [
+                one, two = (
                     sp.expand(changes[ball[index]]).subs(
                         dict(zip(TABLE[n], (t_x, t_y), strict=True))
                     )
                     for n, ball in ((1, first), (2, second))
-                ]
+                )
                 target = sp.Symbol(f"{kind}_{axis}", real=True)
-                assigns.append(Assign(target.name, target + _lane_form(*pair, (t_x, t_y))))
+                assigns.append(Assign(target.name, target + _lane_form(one, two, (t_x, t_y))))
         update = self._part(self._in_order(assigns), self.lanes)
         return Part(update.lines, update.counts * 2)
 
@@ -420,13 +421,13 @@ class FixedStepLowering:
         assigns = []
         for name, lanes in (("x_lane", (s.C_X, x)), ("z_lane", (s.C_Z, y))):
             target = sp.Symbol(name, real=True)
-            pair = [changes[lane] for lane in lanes]
-            assigns.append(Assign(name, target + _lane_form(*pair, (t_x, t_y))))
+            first, second = (changes[lane] for lane in lanes)
+            assigns.append(Assign(name, target + _lane_form(first, second, (t_x, t_y))))
         block = lower(assigns, self.lanes)
-        changes = _approach_changes((pressed,)).items()
-        approach = lower([*(Assign(n.name, n + c) for n, c in changes), APPROACH], self.plain)
-        first, last = (block, approach) if self._chain_first else (approach, block)
-        return Part((*first.lines, *last.lines), block.counts * 2 + approach.counts)
+        approaches = _approach_changes((pressed,)).items()
+        approach = lower([*(Assign(n.name, n + c) for n, c in approaches), APPROACH], self.plain)
+        before, after = (block, approach) if self._chain_first else (approach, block)
+        return Part((*before.lines, *after.lines), block.counts * 2 + approach.counts)
 
     def lane_counts(self, simd: str) -> OperationCounts:
         """Operations of what templates/fixed_step/*_lanes.j2 lay out around the update.

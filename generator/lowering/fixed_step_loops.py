@@ -266,8 +266,8 @@ class LoopBuilder:
         lifts = self.terms.lift and tags == ("c", "s1", "s2")
         for ball in "12":
             axes = "xyz" if arrays else "yz" if lifts else "y"
-            names = [f"v{ball}{axis}" for axis in axes]
-            lines += _declare(f"v{ball}", names, [f"b.{name}" for name in names], arrays)
+            own = [f"v{ball}{axis}" for axis in axes]
+            lines += _declare(f"v{ball}", own, [f"b.{name}" for name in own], arrays)
         return tuple(lines)
 
     def _full_back(self) -> Part:

@@ -25,7 +25,7 @@ class Masses:
 
     @property
     def equal(self) -> bool:
-        return self.beta1 == self.beta2
+        return bool(self.beta1 == self.beta2)
 
     def values(self) -> dict[sp.Symbol, sp.Expr]:
         return {s.BETA1: self.beta1, s.BETA2: self.beta2}

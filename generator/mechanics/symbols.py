@@ -12,7 +12,8 @@ AXES = ("x", "y", "z")
 
 
 def _real(names: str) -> tuple[sp.Symbol, ...]:
-    return sp.symbols(names, real=True)
+    made: tuple[sp.Symbol, ...] = sp.symbols(names, real=True)
+    return made
 
 
 # Linear velocities and spin speeds of ball 1 and ball 2 in the contact frame (r, f, u) = (x, y, z).

@@ -10,6 +10,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from generator.emission.environment import environment
 from generator.emission.kernel_source import KernelSource
@@ -143,7 +144,7 @@ def _counts(values: list[int]) -> OperationCounts:
     return OperationCounts(**{kind: known[kind] for kind in KINDS if kind not in _APART})
 
 
-def _counted(document: dict, cases: int) -> Counted:
+def _counted(document: dict[str, Any], cases: int) -> Counted:
     regions = {
         name: tuple(
             Passages(row[0], _counts(row[1:]), *row[-2:])

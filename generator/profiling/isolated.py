@@ -29,4 +29,5 @@ def call_isolated(
         done = run([*command, *words], timeout, cwd=_BESIDE_PACKAGE)
         if done.code != 0:
             raise KernelError(f"{function}: {done.first_error}")
-        return json.loads(out.read_text("utf-8"))
+        document: dict[str, Any] = json.loads(out.read_text("utf-8"))
+        return document

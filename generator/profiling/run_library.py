@@ -20,10 +20,10 @@ def main(function: str, library: str, rows: str, out: str, *more: str) -> int:
     count, file = ctypes.c_size_t(len(buffer) // COLUMNS), out.encode()
     loaded = ctypes.CDLL(library)
     if function == "carom_count":
-        return loaded.carom_count(buffer, count, file)
+        return int(loaded.carom_count(buffer, count, file))
     kernel, seconds = more
     limit = ctypes.c_double(float(seconds))
-    return loaded.carom_sample(kernel.encode(), buffer, count, limit, file)
+    return int(loaded.carom_sample(kernel.encode(), buffer, count, limit, file))
 
 
 if __name__ == "__main__":

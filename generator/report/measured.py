@@ -17,7 +17,7 @@ from generator.errors import InputError
 from generator.files import write_file
 from generator.sweep.sources import hash_of_rooms
 
-SCHEMA = 2
+SCHEMA: Literal[2] = 2
 _ROOMS = ("mechanics", "steppers", "variants", "lowering", "emission", "verification", "profiling")
 Source = Literal["hardware counters", "valgrind's simulation"]
 

@@ -53,7 +53,7 @@ def last_finals(finals: Iterable[Final], target: str, scene: str, model: str) ->
     prefix = f"{target}/{scene}/{model}/"
     found = {}
     for final in finals:
-        if final.contest.startswith(prefix) and final.purpose != "retiming":
+        if final.contest.startswith(prefix) and final.purpose == "choice":
             found[final.contest] = final
     return found
 
@@ -87,7 +87,9 @@ def subjects(
     rows[BASELINE] = baseline(target, scene, model, STEPS, codes)
     found = [Subject(role, variant, role in (BASELINE, BEST)) for role, variant in rows.items()]
     chosen = _chosen_by_sweep(finals, "scalar")
-    goals = [(EULER, Goal(steps=STEPS), (STEPS, ""))]
+    goals: list[tuple[str, Goal, tuple[int | None, str]]] = [
+        (EULER, Goal(steps=STEPS), (STEPS, ""))
+    ]
     goals += [(role_of_budget(b), Goal(budget=b), (None, f"{b:.0e}")) for b in _budgets(chosen)]
     for role, goal, key in goals:
         variant = chosen.get(key)

@@ -200,7 +200,7 @@ class Scene(BaseModel):
         return given
 
     def range_of(self, key: str) -> tuple[float, float]:
-        return self.ranges.get(key, LIMITS[key])  # type: ignore[call-overload]
+        return next((own for name, own in self.ranges.items() if name == key), LIMITS[key])
 
     def require_budget(self, budget: float) -> None:
         """Raise InputError where the scene's arithmetic cannot hold an error budget."""

@@ -109,7 +109,8 @@ class Ledger:
         """Keep a trial; see the fields of `Trial` for the figures."""
         key = trial_key(depends, rung)
         body = {"rejection": None, "build_seconds": None, "errors": None, "times": None, **figures}
-        made = Trial(**self._head(key), subject=subject, depends=depends, rung=rung, **body)
+        own = {"subject": subject, "depends": depends, "rung": rung}
+        made = Trial.model_validate({**self._head(key), **own, **body})
         return self._kept(made.sealed())
 
     def refusal(self, subject: Subject, rejection: Rejection) -> None:
@@ -118,9 +119,8 @@ class Ledger:
         if key in self._trials:
             return
         nothing: dict[str, None] = dict.fromkeys(("depends", "build_seconds", "errors", "times"))
-        made = Trial(
-            **self._head(key), subject=subject, rung=0, rejection=rejection, **nothing
-        ).sealed()
+        own = {"subject": subject, "rung": 0, "rejection": rejection}
+        made = Trial.model_validate({**self._head(key), **own, **nothing}).sealed()
         self._store.append(made)
         self._trials[key] = made
 
@@ -136,7 +136,7 @@ class Ledger:
 
     def final(self, key: str, **figures: object) -> Final:
         """Keep a final; see the fields of `Final`."""
-        made: Final = Final(**self._head(key), **figures).sealed()  # type: ignore[arg-type]
+        made: Final = Final.model_validate({**self._head(key), **figures}).sealed()
         self._store.append(made)
         self._finals[key] = made
         return made
@@ -149,7 +149,6 @@ def new_run(command: str, seed: int, cpu: str, target: str, compilers: Mapping[s
     head = {"made_at": now(), "machine": platform.node(), "command": command, "seed": seed}
     body = {**head, "cpu": cpu, "target": target, "compilers": dict(compilers)}
     key = digest(body)
-    run: Run = Run(
-        key=key, run=key, system=platform.platform(), version=__version__, **body
-    ).sealed()
+    own = {"key": key, "run": key, "system": platform.platform(), "version": __version__}
+    run: Run = Run.model_validate({**own, **body}).sealed()
     return run

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
-SCHEMA = 1
+SCHEMA: Literal[1] = 1
 
 Call = Literal["scalar", "batch"]
 Reason = Literal["compile", "timeout", "crash", "wrong result", "constraint"]

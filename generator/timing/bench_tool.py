@@ -118,9 +118,8 @@ class BenchTool:
         """
         with tempfile.TemporaryDirectory() as name:
             files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
-            options = ("--method", method, "--model", model, "--steps", steps)
-            if mass_ratio != 1:
-                options = (*options, "--mass-ratio", repr(mass_ratio))
+            options = ["--method", method, "--model", model, "--steps", steps]
+            options += [] if mass_ratio == 1 else ["--mass-ratio", repr(mass_ratio)]
             self._run("expect", *options, *files, timeout=RUN_TIMEOUT + 0.05 * len(cases))
             return _read(Path(name, "out"), EXPECTED_COLUMNS, len(cases))
 
@@ -176,7 +175,8 @@ class BenchTool:
             file.write_text(json.dumps(plan.document(cases, seed_path)), encoding="utf-8")
             limit = plan.seconds + RUN_TIMEOUT
             self._run("time", "--plan", file, "--out", out, timeout=limit)
-            return json.loads(out.read_text("utf-8"))
+            document: dict[str, Any] = json.loads(out.read_text("utf-8"))
+            return document
 
 
 def _sources(root: Path) -> list[Path]:

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from generator.errors import KernelError
 from generator.targets.target import Target
@@ -19,6 +20,7 @@ from generator.toolchain.loops import marked_loops, marked_text
 from generator.toolchain.process import run
 
 ITERATIONS = 100
+Region = dict[str, Any]  # of what llvm-mca prints as JSON
 _TIMEOUT = 120.0
 _MOST_PATHS = 8  # the longest ones are simulated
 
@@ -109,7 +111,7 @@ def run_mca(mca: Mca, target: Target, options: Sequence[str], text: str) -> str:
 
 def _simulate(
     mca: Mca, target: Target, paths: list[tuple[str, ...]]
-) -> tuple[list[dict], list[str]]:
+) -> tuple[list[Region], list[str]]:
     """One region a path through llvm-mca: its JSON regions in order, the names of the units."""
     # With # on AArch64 too: llvm-mca takes no region from a comment that begins with //.
     text = "".join(
@@ -129,7 +131,7 @@ def _simulate(
     return regions, units
 
 
-def _pressure(region: dict, units: list[str], copies: int) -> tuple[tuple[str, float], ...]:
+def _pressure(region: Region, units: list[str], copies: int) -> tuple[tuple[str, float], ...]:
     """Cycles an iteration that each unit is busy, the busiest first; idle ones are left out."""
     summary = region["SummaryView"]
     last = summary["Instructions"] // summary["Iterations"]  # the row of sums
@@ -142,7 +144,7 @@ def _pressure(region: dict, units: list[str], copies: int) -> tuple[tuple[str, f
     return tuple(sorted(found, key=lambda unit: (-unit[1], unit[0])))
 
 
-def _bottleneck(region: dict, pressure: tuple[tuple[str, float], ...], copies: int) -> str:
+def _bottleneck(region: Region, pressure: tuple[tuple[str, float], ...], copies: int) -> str:
     summary = region["SummaryView"]
     trips = summary["Iterations"] * copies
     cycles, bound = summary["TotalCycles"] / trips, summary["BlockRThroughput"] / copies

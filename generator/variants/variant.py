@@ -111,6 +111,7 @@ def make_variant(
     model: str,
     stepper: Stepper,
     width: int = 1,
+    /,
     **options: str,
 ) -> Variant:
     """A variant with defaults for every option that is not named.

@@ -131,4 +131,4 @@ def _exchange(one: Path, other: Path) -> bool:
     if renameat2 is None:
         return False
     done = renameat2(_AT_FDCWD, os.fsencode(one), _AT_FDCWD, os.fsencode(other), _EXCHANGE)
-    return done == 0
+    return int(done) == 0

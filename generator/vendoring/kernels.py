@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from generator.choice.batches import batch_job
 from generator.choice.choose import selected
@@ -143,7 +144,7 @@ def _stepped(
     """The entry with the request's number of steps, and the error that it has then."""
     steps = request.goal.steps
     variant = replace(variant_of(entry.kernel), stepper=Stepper("euler", steps=steps))
-    update = {
+    update: dict[str, Any] = {
         "kernel": name_of(variant),
         "file": file_of(name_of(variant)),
         "steps": steps,

@@ -92,9 +92,10 @@ def make_request(
     if goal.steps is not None and goal.budget is not None:
         raise InputError("--steps and --max-error exclude each other: name one of them")
     if goal.steps is None:
-        goal = Goal(budget=goal.budget if goal.budget is not None else known.max_error)
-        plan_for(goal.budget)
-        known.require_budget(goal.budget)
+        budget = goal.budget if goal.budget is not None else known.max_error
+        goal = Goal(budget=budget)
+        plan_for(budget)
+        known.require_budget(budget)
     elif not known.fixed_steps:
         raise InputError(f"--steps: scene {scene} has no fixed-step scheme; use --max-error")
     model = find_model(model or known.model).name

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from generator.errors import KernelError
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 CASE_COLUMNS = 24
 OUTCOME_COLUMNS = 13
@@ -57,7 +58,8 @@ def relative_speed(cases: Array) -> Array:
     """|v1 - v2| before the collision, m/s."""
     one, two = _VELOCITY
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.linalg.norm(cases[:, one] - cases[:, two], axis=1)
+        speed: Array = np.linalg.norm(cases[:, one] - cases[:, two], axis=1)
+        return speed
 
 
 def approach_speed(cases: Array) -> Array:

@@ -27,6 +27,7 @@ from generator.verification.errors import (
     STICKS,
     Array,
     Errors,
+    Mask,
     approach_speed,
     check_shapes,
     errors_of,
@@ -62,14 +63,15 @@ def _frictions(cases: Array) -> tuple[Array, Array]:
     return cases[:, 2:4].max(axis=1), cases[:, 4]
 
 
-def slips_vertically(cases: Array) -> Array:
+def slips_vertically(cases: Array) -> Mask:
     """Whether the slip between the balls has no sideways part beyond rounding, at the start."""
     ball1, ball2 = cases[:, 6:15], cases[:, 15:24]
     d = ball2[:, :2] - ball1[:, :2]
     r = np.column_stack([d[:, 1], -d[:, 0]]) / np.hypot(d[:, 0], d[:, 1])[:, None]
     spin = cases[:, :1] * (ball1[:, 6:] + ball2[:, 6:])
     sideways = (r * (ball1[:, 3:5] - ball2[:, 3:5])).sum(axis=1) - spin[:, 2]
-    return np.abs(sideways) <= VERTICAL * np.abs((r * spin[:, :2]).sum(axis=1))
+    vertical: Mask = np.abs(sideways) <= VERTICAL * np.abs((r * spin[:, :2]).sum(axis=1))
+    return vertical
 
 
 def chatter_margin(cases: Array, steps: int) -> Array:
@@ -85,7 +87,7 @@ def chatter_margin(cases: Array, steps: int) -> Array:
     return step_speed(cases, steps) * (2 + u_b * (5 + chatter * (1 + 2.5 * u_s)))
 
 
-def ties(cases: Array, steps: int) -> Array:
+def ties(cases: Array, steps: int) -> Mask:
     """Whether compression ends at the end of a step: after N / (1 + e_b) of them.
 
     Only where table friction along the line of centres is nothing, so that v_n grows evenly:
@@ -98,7 +100,8 @@ def ties(cases: Array, steps: int) -> Array:
     level = (vertical == 0) & (cases[:, 11] == cases[:, 20])
     with np.errstate(all="ignore"):
         turn = steps / (1 + cases[:, 5])
-        return ((u_s * u_b == 0) | level) & (np.abs(turn - np.round(turn)) <= TIE)
+        tied: Mask = ((u_s * u_b == 0) | level) & (np.abs(turn - np.round(turn)) <= TIE)
+    return tied
 
 
 def flip_limit(cases: Array, steps: int) -> Array:
@@ -170,7 +173,7 @@ def _flip_failure(
 
 
 def _chatter_failure(
-    cases: Array, errors: Errors, euler: Array, exact: Array, loose: Array, steps: int
+    cases: Array, errors: Errors, euler: Array, exact: Array, loose: Mask, steps: int
 ) -> Verdict | None:
     own = errors_of(cases, euler, exact).absolute
     limit = own + chatter_margin(cases, steps) + TOLERANCE

@@ -48,7 +48,8 @@ def contact_slip(cases: Array, model: str) -> Array:
     c_z = (spin[:, :2] * r).sum(axis=1)
     if find_model(model).terms.lift:
         c_z = c_z + dv[:, 2]
-    return np.hypot(c_x, c_z)
+    slip: Array = np.hypot(c_x, c_z)
+    return slip
 
 
 def alciatore(slip: Array) -> Array:

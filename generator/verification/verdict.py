@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from generator.verification.errors import STATUS, Array, Errors
+from generator.verification.errors import STATUS, Array, Errors, Mask
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ def failed(reason: str, errors: Errors, case: int, flips: tuple[int, ...] = ()) 
     return Verdict(False, f"case {case}: {reason}", *largest, len(errors.absolute), flips, case)
 
 
-def worst_of(errors: Array, among: Array) -> int | None:
+def worst_of(errors: Array, among: Mask) -> int | None:
     """The row with the largest error of those marked in `among`."""
     rows = np.flatnonzero(among)
     return int(rows[np.argmax(errors[rows])]) if len(rows) else None
