@@ -14,10 +14,11 @@ import numpy as np
 
 from generator.choice.workbench import Candidate
 from generator.errors import KernelError
+from generator.records.code import digest
 from generator.sweep.explore import Exploration
 from generator.sweep.figures import errors_of, rounded, times_of
 from generator.sweep.ladder import RUNGS, Entry, finalists
-from generator.sweep.record import Final, Finalist, digest
+from generator.sweep.record import Final, Finalist
 from generator.sweep.sources import candidate_hash
 from generator.sweep.station import BLOCK_MS, TimingJob, rejection_of
 from generator.timing.ratios import Interval, TimingRun, control_band, joined, timing_run

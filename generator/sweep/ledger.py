@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Mapping
 from datetime import UTC, datetime
 
+from generator.records.code import digest
 from generator.sweep.record import (
     Depends,
     Final,
@@ -14,7 +15,6 @@ from generator.sweep.record import (
     Run,
     Subject,
     Trial,
-    digest,
     trial_key,
 )
 from generator.sweep.store import ResultStore

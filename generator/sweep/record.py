@@ -6,11 +6,11 @@ new record. `SCHEMA` counts up when a field changes its meaning.
 
 from __future__ import annotations
 
-import hashlib
-import json
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+
+from generator.records.code import digest
 
 SCHEMA: Literal[1] = 1
 
@@ -175,12 +175,6 @@ class Final(Record):
 
 AnyRecord = Annotated[Run | Trial | Final, Field(discriminator="kind")]
 _ADAPTER: TypeAdapter[Run | Trial | Final] = TypeAdapter(AnyRecord)
-
-
-def digest(document: Any) -> str:
-    """A short hash of plain values, whatever the order of their keys."""
-    text = json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def trial_key(depends: Depends, rung: int) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -10,30 +9,14 @@ from pathlib import Path
 from generator.choice.store import key_of
 from generator.choice.workbench import Candidate
 from generator.emission.environment import templates_folder
-from generator.emission.kernel_source import KernelSource
-from generator.sweep.record import digest
-from generator.variants.names import symbol_of
+from generator.records.code import compiled_hash
 
-_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _ROOMS = ("mechanics", "scenes", "steppers", "targets", "variants", "lowering", "emission")
-
-
-def source_hash(source: KernelSource) -> str:
-    """Hash of a kernel's code: not of comments, of layout or of its own name."""
-    texts = []
-    for text in (source.header, source.source, source.probe):
-        plain = " ".join(_COMMENT.sub(" ", text).split())
-        plain = plain.replace('" "', "")  # a long name is written as two literals
-        for name in (source.source_name, symbol_of(source.source_name)):
-            plain = plain.replace(name, "KERNEL")
-        texts.append(plain)
-    return digest(texts)
 
 
 def candidate_hash(candidate: Candidate) -> str:
     """Hash of code, compiler and flags."""
-    compiled = [candidate.compiler.version, *candidate.flags]
-    return digest([source_hash(candidate.source), compiled])
+    return compiled_hash(candidate.source, candidate.compiler.version, candidate.flags)
 
 
 @cache

@@ -19,8 +19,9 @@ from generator.choice.workbench import (
 )
 from generator.errors import EmissionError, KernelCrash, KernelError, KernelTimeout
 from generator.files import write_file
+from generator.records.code import source_hash
 from generator.sweep.record import Rejection
-from generator.sweep.sources import emission_hash, source_hash
+from generator.sweep.sources import emission_hash
 from generator.targets.host import Host, read_host
 from generator.targets.target import Target
 from generator.timing.bench_tool import CASE_COLUMNS

@@ -13,10 +13,10 @@ from typing import Any
 from generator.choice.workbench import Candidate
 from generator.emission.kernel_source import KernelSource
 from generator.lowering.counts import OperationCounts
+from generator.records.code import source_hash
 from generator.sweep.explore import Progress
 from generator.sweep.ledger import Ledger, new_run
 from generator.sweep.record import Rejection
-from generator.sweep.sources import source_hash
 from generator.sweep.space import Contest
 from generator.sweep.station import Code, Rules, TimingJob
 from generator.sweep.store import ResultStore

@@ -18,7 +18,8 @@ import pytest
 from kernels import ROOT
 from sweep_victim import ASKED
 
-from generator.sweep.record import Trial, digest
+from generator.records.code import digest
+from generator.sweep.record import Trial
 from generator.sweep.space import Space
 from generator.sweep.store import read_only
 from generator.targets.host import read_host

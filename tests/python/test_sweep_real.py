@@ -25,9 +25,9 @@ from generator.cli.main import gen
 from generator.emission.kernel_source import emit
 from generator.errors import EmissionError
 from generator.places import cache_folder
+from generator.records.code import source_hash
 from generator.sweep.lab import LocalLab
 from generator.sweep.record import Final
-from generator.sweep.sources import source_hash
 from generator.sweep.space import Contest
 from generator.sweep.station import Code, Station
 from generator.sweep.store import opened, read_only

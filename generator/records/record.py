@@ -1,0 +1,92 @@
+"""The record of a timing: a line of `timings/<cpu>.jsonl`. See docs/timings.md.
+
+Field names and meanings are the stored format. A record is never changed; a new timing is a new
+record.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+Interval = tuple[float, float]
+HASH = 16  # digits that a record keeps: it is to be read
+
+# What a time depends on, as a reader calls it.
+CALLED = {
+    "source": "kernel text",
+    "compiler": "compiler",
+    "flags": "flags",
+    "cases": "cases",
+    "bench": "bench",
+    "baseline": "baseline",
+}
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Cpu(_Part):
+    """The CPU that timed."""
+
+    target: str  # its name in targets.toml
+    name: str
+    vendor: str
+    family: int  # as cpuid and lscpu count; 0 where there is no cpuid
+    model: int
+
+    @property
+    def text(self) -> str:
+        return f"{self.name} ({self.target})"
+
+
+class Basis(_Part):
+    """All that a time depends on. Rules of verification are none of it."""
+
+    source: str  # hash of the kernel's code, without comments and its own name
+    compiler: str  # first line of --version
+    flags: str
+    cases: str  # hash of the cases that it was timed on
+    bench: str  # hash of what carom_bench is built from
+    baseline: str  # hash of code, compiler and flags of `paper-initial`
+
+    @field_validator("source", "cases", "baseline")
+    @classmethod
+    def _short(cls, value: str) -> str:
+        return value[:HASH]
+
+    def changed(self, now: Basis) -> tuple[str, ...]:
+        """What is another now, in a reader's words."""
+        return tuple(CALLED[k] for k in CALLED if getattr(self, k) != getattr(now, k))
+
+
+class TimingRecord(_Part):
+    """How fast one kernel was. Times are of one collision, medians over the rounds."""
+
+    schema_version: Literal[1] = 1
+    contest: str = Field(pattern=r"^[^/ ]+(/[^/ ]+){3}/(scalar|batch)$")
+    recipe: str
+    ratio: float = Field(gt=0)  # of time to that of `paper-initial` in the same round
+    ratio_ci: Interval  # 95 %
+    control: Interval | None  # the A/A band: ratios that the baseline has to itself
+    ns: float = Field(gt=0)
+    rounds: int | None = Field(gt=0)
+    when: str = Field(pattern=r"^\d{4}-\d\d-\d\d(T[\d:.]+Z)?$")  # UTC
+    origin: str  # what timed it, and whether in company
+    cpu: Cpu
+    basis: Basis
+
+    @property
+    def day(self) -> str:
+        return self.when[:10]
+
+    @property
+    def spread(self) -> float:
+        """Relative width of the interval: of two records of the same, the narrower tells more."""
+        return (self.ratio_ci[1] - self.ratio_ci[0]) / self.ratio
+
+    def line(self) -> str:
+        """The record as text; the same record is the same line."""
+        return self.model_dump_json(exclude={"schema_version"})
