@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import sympy as sp
+
 from generator.emission.isa import Estimate, estimate, float_estimate
 from generator.lowering.collision_ends import CollisionEnds, LevelForms, at_zero
 from generator.lowering.counts import OperationCounts
@@ -17,7 +19,7 @@ from generator.lowering.exact_step import (
     Kept,
 )
 from generator.lowering.fixed_step import Part
-from generator.lowering.printer import number
+from generator.lowering.printer import ExpressionPrinter, Fma, decimal_product, number
 from generator.mechanics import symbols as s
 from generator.mechanics.contact import ContactTerms
 from generator.mechanics.masses import Masses, masses_of, pressed_changes
@@ -31,6 +33,8 @@ from generator.variants.roots import refined_error
 from generator.variants.variant import Variant
 
 MOST_STEPS = 4000
+_DX, _DZ, _DQ = sp.symbols("d_x d_z dq")
+_TAIL_DX, _TAIL_DZ, _TAIL_TX, _TAIL_TY = sp.symbols("d_tail_x d_tail_z t_tail_x t_tail_y")
 SLIPS_BEFORE = ("c_x", "c_z", "s1x", "s1y", "s2x", "s2y", "v_n")
 
 
@@ -76,7 +80,7 @@ class ExactContext:
     dense_contact: tuple[str, ...]  # of the other impulses
     drift: tuple[str, ...]  # b, the rate of the table slip
     landed: tuple[str, ...]  # slips from the impulses of a part of a step
-    k_xt: float  # c_x' = ... - k_xt t_x
+    pull_x: str  # how table friction along x changes c_x, per unit of it
     k_f: float  # s' = ... + k_f t
     approach_share: str  # of table friction in the change of v_n, as a factor
     tail_s_x: str
@@ -150,8 +154,19 @@ class ExactContext:
         return round(64 / self.tableau.order)
 
     @property
-    def k_f_negative(self) -> float:
-        return min(self.k_f, 0.0)
+    def tolerance(self) -> str:
+        """Of a step, relative to |v1 - v2|."""
+        return decimal_product(self.control.tolerance, self.budget)
+
+    @property
+    def leaving(self) -> str:
+        """How fast the table slip grows at least, away from zero."""
+        return _printed(Fma(min(self.k_f, 0.0), *sp.symbols("phi l_b")))
+
+    @property
+    def beaten(self) -> str:
+        """The push of the table that beats all else: a tenth more than it is."""
+        return decimal_product(1.1, -self.k_f)
 
     @property
     def rest_share(self) -> float:
@@ -215,6 +230,10 @@ def _roots(method: str, target: Target, real: str, lanes: bool) -> tuple[Estimat
     error = max(refined_error(method, found.relative_error), rounding)
     refined = f", then {steps} Newton" if steps else ""
     return found, steps, f": {found.text}{refined}, to {error:.0e}"
+
+
+def _printed(form: sp.Expr) -> str:
+    return ExpressionPrinter(True, fma_name="fma", number_format="real({})").print(form)
 
 
 def _times(share: object, text: str) -> str:
@@ -294,11 +313,10 @@ def _pressed_context(
         k_zt=float(changes[s.C_Z].coeff(s.T2Y)),
         per_k_x=number(1 / changes[s.C_X].coeff(s.D_X)),
         per_k_z=number(1 / changes[s.C_Z].coeff(s.D_Z)),
-        drift_x=f"{_times(recoil, '-d_x')}",
-        drift_y=f"fma(real({number(k_b)}), d_z, real({number(drive)}))",
-        tail_s_x=f"fma(real({number(k_f)}), t_tail_x, {_times(recoil, '-d_tail_x')})",
-        tail_s_y=f"fma(real({number(k_f)}), t_tail_y, "
-        f"fma(real({number(k_b)}), d_tail_z, {_times(drive, 'dq')}))",
+        drift_x=_printed(-recoil * _DX),
+        drift_y=_printed(Fma(k_b, _DZ, drive)),
+        tail_s_x=_printed(Fma(k_f, _TAIL_TX, -recoil * _TAIL_DX)),
+        tail_s_y=_printed(Fma(k_f, _TAIL_TY, Fma(k_b, _TAIL_DZ, drive * _DQ))),
         tail_steps=lowering.tail().lines if table else (),
         kept=lowering.kept() if lanes and variant.paired else (),
         together=2 if variant.paired else 1,
@@ -309,7 +327,7 @@ def _pressed_context(
         dense_contact=lowering.dense(("d_x", "d_z", "t_x")).lines if table else (),
         drift=lowering.drift().lines if table else (),
         landed=lowering.landed().lines if table else (),
-        k_xt=-float(changes[s.C_X].coeff(s.T2X)),
+        pull_x=_times(-changes[s.C_X].coeff(s.T2X), "start.u_s * u_x"),
         k_f=float(k_f),
         approach_share=_times(changes[s.V_N].coeff(s.T2Y), ""),
         tail_t_x=_times(-changes[s.C_X].coeff(s.T2X), "t_tail_x"),

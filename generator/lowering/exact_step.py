@@ -170,10 +170,7 @@ class ExactLowering:
         for weight, value in terms:
             if weight == 0:
                 continue
-            if total == 0:
-                total = weight * value
-            else:
-                total = Plus(total, value) if weight == 1 else self._add(weight, value, total)
+            total = weight * value if total == 0 else self._add(weight, value, total)
         return total
 
     def drift(self) -> Part:
@@ -239,9 +236,7 @@ class ExactLowering:
 
     def _moved_by_q(self, slip: str, share: sp.Expr) -> sp.Expr:
         weight, start = self.changes[SLIPS[slip]].coeff(s.DQ) * share, _symbol(f"at.{slip}")
-        if weight == 0:
-            return start
-        return Plus(start, H) if weight == 1 else self._add(weight, H, start)
+        return self._add(weight, H, start) if weight != 0 else start
 
     def _moved_by_last(self, slip: str, base: sp.Expr, weight: Fraction, stage: int) -> sp.Expr:
         """The latest impulses last, since they are known last."""
@@ -275,7 +270,7 @@ class ExactLowering:
         driven = self._add(2 * _rational(self.tableau.c[i]), H, _symbol("v0"))
         approach = self.changes[s.V_N].coeff(s.T2Y)
         rubbed = _symbol(f"sum{i}_t_y")
-        value = Plus(driven, rubbed) if approach == 1 else self._add(approach, rubbed, driven)
+        value = self._add(approach, rubbed, driven)
         power = _symbol(f"v{i}") * _rate(i, "t_y")
         return self._part([Assign(f"v{i}", value, KIND), Assign(f"j{i}", power, KIND)])
 

@@ -8,6 +8,7 @@ SymPy sorts them, from the left, and an FMA wherever a product is added if the p
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 
 import sympy as sp
 
@@ -33,6 +34,19 @@ def number(value: sp.Expr, suffix: str = "") -> str:
     if "e" not in text and "." not in text:
         text += ".0"
     return text + suffix
+
+
+def _without_fma(a: sp.Expr, b: sp.Expr, c: sp.Expr) -> sp.Expr | None:
+    """a * b + c where it takes no FMA: a factor is 0, 1 or -1, or nothing is added; else None."""
+    for factor, other in ((a, b), (b, a)):
+        if factor.is_number and float(factor) in (-1, 0, 1):
+            return Plus(c, int(factor) * other)
+    return a * b if c.is_zero else None
+
+
+def decimal_product(a: float, b: float) -> str:
+    """The product of two constants as they are written: 0.21 * 1e-6 is 2.1e-07."""
+    return repr(float(Fraction(repr(a)) * Fraction(repr(b))))
 
 
 class ExpressionPrinter:
@@ -95,9 +109,9 @@ class ExpressionPrinter:
             text, _, counts = self._print(e.args[0])
             return f"({text})", 3, counts
         if name == "Plus":
-            left, _, counts_left = self._print(e.args[0])
-            right, counts_right = self._wrapped(e.args[1], 2)
-            return f"{left} + {right}", 1, counts_left + counts_right + OperationCounts(add=1)
+            return self._plus(*e.args)
+        if name == "Fma" and (plain := _without_fma(*e.args)) is not None:
+            return self._print(plain)
         if name == "Divide":
             top, counts_top = self._wrapped(e.args[0], 2)
             bottom, counts_bottom = self._wrapped(e.args[1], 3)
@@ -119,6 +133,15 @@ class ExpressionPrinter:
             texts.append(text)
             counts = counts + own
         return f"{spelling}({', '.join(texts)})", 3, counts
+
+    def _plus(self, first: sp.Expr, second: sp.Expr) -> tuple[str, int, OperationCounts]:
+        if first.is_zero or second.is_zero:
+            return self._print(second if first.is_zero else first)
+        left, _, counts_left = self._print(first)
+        negative = second.as_coeff_Mul()[0].is_negative
+        right, counts_right = self._wrapped(-second if negative else second, 2)
+        counts = counts_left + counts_right + OperationCounts(add=1)
+        return f"{left} {'-' if negative else '+'} {right}", 1, counts
 
     def _power(self, e: sp.Expr) -> tuple[str, int, OperationCounts]:
         base, exponent = e.args
