@@ -77,15 +77,10 @@ def files_of(selection: Selection) -> dict[str, str]:
     files = {FILE: selection.text()}
     for entry in selection.kernels:
         variant = variant_of(entry.kernel)
-        source = emit(variant, command=_command(selection, entry.model))
+        source = emit(variant)
         files[entry.file] = source.source
         files["carom.h"] = source.header
     return dict(sorted(files.items()))
-
-
-def _command(selection: Selection, model: str) -> str:
-    """What the banners name: the command that wrote the folder."""
-    return f"./gen --target {selection.target} --scene {selection.scene} --model {model}"
 
 
 def write_folder(folder: Path, selection: Selection) -> list[Path]:

@@ -12,7 +12,7 @@ from generator.mechanics.reduced import recovery, reduced_system
 from generator.scenes.models import DEFAULT_MODEL, find_model
 from generator.targets.target import find_target
 from generator.variants.axes import axis
-from generator.variants.names import name_of, variant_of
+from generator.variants.names import name_of, variant_named
 from generator.variants.presets import find_preset
 from generator.variants.variant import Stepper, Variant, make_variant
 
@@ -22,7 +22,7 @@ from generator.variants.variant import Stepper, Variant, make_variant
 @click.option("--target", default="x86-64-v3", show_default=True, help="for a preset")
 @click.option("--model", default=DEFAULT_MODEL, show_default=True, help="for a preset")
 def explain(kernel: str, target: str, model: str) -> None:
-    """Explain a kernel, by its full name or a preset's (see list variants)."""
+    """Explain a kernel, by its name, its file or a preset (see list variants)."""
     variant = _find(kernel, target, model)
     try:
         source = emit(variant)
@@ -37,10 +37,7 @@ def explain(kernel: str, target: str, model: str) -> None:
 
 def _find(kernel: str, target: str, model: str) -> Variant:
     if "." in kernel:
-        try:
-            return variant_of(kernel)
-        except ValueError as error:
-            raise InputError(str(error)) from None
+        return variant_named(kernel)
     find_target(target)
     find_model(model)
     stepper = Stepper("euler", steps=1000)

@@ -88,6 +88,7 @@ def _register() -> None:
         bench,
         cluster,
         collide,
+        emit,
         explain,
         listing,
         plot,
@@ -100,6 +101,7 @@ def _register() -> None:
     for command in (
         bench.bench,
         collide.collide,
+        emit.emit,
         explain.explain,
         listing.list_rows,
         plot.plot,

@@ -20,7 +20,7 @@ from generator.emission.kernel_source import KernelSource, Naming, emit
 from generator.files import write_file
 from generator.scenes.models import MODELS
 from generator.targets.target import Target, target_or_port
-from generator.variants.names import symbol_of
+from generator.variants.names import name_of, symbol_of
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Variant
 
@@ -107,8 +107,9 @@ def kernel_set(targets: tuple[str, ...] = TARGETS) -> dict[str, str]:
         files[f"{row.prefix}.h"] = source.header
         files[f"{row.prefix}.cpp"] = source.source
     needs = [(symbol_of(name), compiled_features(target_or_port(name))) for name in targets]
+    names = [name_of(row.variant) for row in table]
     files["kernel_table.cpp"] = client_file(
-        "kernel_table.cpp.j2", COMMAND, rows=table, targets=needs
+        "kernel_table.cpp.j2", COMMAND, names, rows=table, targets=needs
     )
     return files
 

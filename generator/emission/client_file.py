@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from generator.emission.banner import banner, source_hash
-from generator.emission.environment import environment
+from collections.abc import Iterable
+
+from generator.emission.banner import bannered
 from generator.emission.formatting import format_source
 
 
-def client_file(name: str, command: str, **values: object) -> str:
-    """A file from its template, with the banner of all generated files."""
+def client_file(name: str, command: str, data: Iterable[str], **shown: object) -> str:
+    """A file from its template, with the banner of all generated files; `data` as there."""
     made = name.removesuffix(".j2")
-    template = environment().get_template(f"clients/{name}")
-    body = template.render(banner="", **values)
-    top = banner(f"clients/{name}", made, command, source_hash(body))
-    return format_source(template.render(banner=top, **values), made)
+    return format_source(bannered(f"clients/{name}", made, command, data, **shown), made)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from contextvars import ContextVar
 from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
+
+_USED: ContextVar[set[str] | None] = ContextVar("templates of the text under way", default=None)
 
 
 def templates_folder() -> Path:
@@ -16,15 +19,34 @@ def templates_folder() -> Path:
     return beside if beside.is_dir() else package / "templates"
 
 
+class _Noting(Environment):
+    """Notes which templates a text is made from, whatever includes or imports them."""
+
+    def get_template(self, name, parent=None, globals=None) -> Template:  # type: ignore[no-untyped-def]
+        if (used := _USED.get()) is not None and isinstance(name, str):
+            used.add(name)
+        return super().get_template(name, parent, globals)
+
+
+def rendered(template: str, **shown: object) -> tuple[str, frozenset[str]]:
+    """A template filled, and the names of all templates that the text is made from."""
+    used: set[str] = set()
+    before = _USED.set(used)
+    try:
+        return environment().get_template(template).render(**shown), frozenset(used)
+    finally:
+        _USED.reset(before)
+
+
 @cache
 def environment() -> Environment:
     """Every template is read through it; a name that is not given is an error."""
-    return Environment(
+    return _Noting(
         loader=FileSystemLoader(str(templates_folder())),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # noqa: S701 - C++, not HTML
+        autoescape=False,  # C++, not HTML
         extensions=[],
     )

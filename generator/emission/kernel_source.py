@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from generator.emission import isa
-from generator.emission.banner import banner, source_hash
+from generator.emission.banner import bannered
 from generator.emission.environment import environment
 from generator.emission.exact_context import ExactContext, exact_context
 from generator.emission.fixed_step_lanes import FixedStepBatch, fixed_step_batch
@@ -91,7 +91,6 @@ class KernelSource:
 class KernelContext:
     """All that templates/kernel.cpp.j2 may see: typed, strict, decided."""
 
-    banner: str
     name: str
     header: str
     prefix: str  # of the types and statuses in the header
@@ -246,10 +245,6 @@ def _motions(scene: Scene, lift: bool) -> tuple[tuple[str, ...], tuple[tuple[str
     still = range(3, 9) if scene.object_ball == "rest" else spins
     zero += [f"ball2[{i}]" for i in still]
     return tuple(zero), ((("ball1[5]", "ball2[5]"),) if scene.level and lift else ())
-
-
-def command_for(variant: Variant) -> str:
-    return f"./gen --target {variant.target} --scene {variant.scene} --model {variant.model}"
 
 
 def _contract(variant: Variant, scene: Scene, method: tuple[str, ...]) -> tuple[str, ...]:
@@ -427,7 +422,6 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
     motions, level_pairs = _motions(scene, terms.lift)
     name = source_name_of(variant)
     context = KernelContext(
-        banner="",
         name=name,
         header=f"{naming.prefix}.h",
         prefix=naming.prefix,
@@ -472,12 +466,10 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
         counts = _exact(context, variant, target)
         method = _exact_contract(context)
     context.contract = _contract(variant, scene, method)
-    command = command or command_for(variant)
-    template = environment().get_template("kernel.cpp.j2")
-    given = {"k": context, "x": context.exact, "lanes": context.lanes, "b": context.euler_batch}
-    body = template.render(given)
-    context.banner = banner("kernel.cpp.j2", name, command, source_hash(name, command, body))
-    source = format_source(template.render(given), f"{name}.cpp")
+    shown = {"k": context, "x": context.exact, "lanes": context.lanes, "b": context.euler_batch}
+    data = (name, repr(naming), *_data_of(target), scene.model_dump_json())
+    remake = command or f"./gen emit {name}"
+    source = format_source(bannered("kernel.cpp.j2", name, remake, data, **shown), f"{name}.cpp")
     return KernelSource(
         variant=variant,
         source_name=name,
@@ -489,7 +481,13 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
     )
 
 
-def emit_header(scene: Scene, prefix: str, command: str, use: HeaderUse = _ANY_USE) -> str:
+def _data_of(target: Target) -> tuple[str, ...]:
+    return target.row.model_dump_json(), *sorted(target.features)
+
+
+def emit_header(
+    scene: Scene, prefix: str = "carom", command: str | None = None, use: HeaderUse = _ANY_USE
+) -> str:
     """carom.h for one scene: the same for all its kernels, fixed steps or not."""
     fields = fields_of(scene)
     fixed_lines = [f"Fixed: {key} = {scene.fixed[key]!r} {UNITS[key]}" for key in scene.fixed]
@@ -508,10 +506,10 @@ def emit_header(scene: Scene, prefix: str, command: str, use: HeaderUse = _ANY_U
             else "u_b may be NULL (then p decides)"
         ),
     }
-    template = environment().get_template("carom.h.j2")
-    body = template.render(banner="", **values)
-    top = banner("carom.h.j2", f"scene {scene.name}", command, source_hash(body), comment="/*")
-    return format_source(template.render(banner=top, **values), f"{prefix}.h")
+    remake = command or f"./gen emit --header {scene.name}"
+    data = (scene.model_dump_json(), prefix, repr(use))
+    text = bannered("carom.h.j2", f"scene {scene.name}", remake, data, "/*", **values)
+    return format_source(text, f"{prefix}.h")
 
 
 def emit_probe(prefix: str, fields: tuple[Field, ...], fixed_step: bool, law: bool = False) -> str:

@@ -11,10 +11,14 @@ into `_`.
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
+from generator.errors import InputError
+from generator.steppers.tableaus import TABLEAUS
 from generator.variants.axes import axes_of
 from generator.variants.variant import Stepper, Variant, budget_of, make_variant
 
+HIDDEN = ("compiler", "flags")  # what only the compiler sees
 _FIELD = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -33,9 +37,8 @@ def name_of(variant: Variant) -> str:
 
 def source_name_of(variant: Variant) -> str:
     """The name without the fields that only the compiler sees: it names the source text."""
-    hidden = {"compiler", "flags"}
     head = name_of(variant).split(".")[:6]
-    return ".".join((*head, *(code for key, code in variant.options if key not in hidden)))
+    return ".".join((*head, *(code for key, code in variant.options if key not in HIDDEN)))
 
 
 def symbol_of(name: str) -> str:
@@ -44,6 +47,23 @@ def symbol_of(name: str) -> str:
 
 def variant_of(name: str) -> Variant:
     """Read a name back. Raises ValueError that says which field is wrong and what it may be."""
+    return _read(name)
+
+
+def variant_named(text: str) -> Variant:
+    """The kernel that a user names: in full, or as its text and file do and `carom_kernel()` tells.
+
+    What only the compiler sees may be left out, and is the default then. A file may be a path.
+    Raises InputError that says which field is wrong.
+    """
+    name = Path(text).name.removesuffix(".cpp") if text.endswith(".cpp") else text
+    try:
+        return _read(name, HIDDEN)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+
+
+def _read(name: str, may_lack: tuple[str, ...] = ()) -> Variant:
     fields = name.split(".")
     if len(fields) < 6 or not all(_FIELD.fullmatch(field) for field in fields):
         raise ValueError(
@@ -54,6 +74,8 @@ def variant_of(name: str) -> Variant:
     if not re.fullmatch(r"x[1-9][0-9]*", width):
         raise ValueError(f"'{width}' in '{name}' is no width; expected x1, x4, ...")
     axes = axes_of(stepper.family, int(width[1:]))
+    if len(fields) - 6 == len(axes) - len(may_lack):
+        axes = tuple(axis for axis in axes if axis.key not in may_lack)
     if len(fields) - 6 != len(axes):
         raise ValueError(
             f"'{name}' has {len(fields) - 6} choices; {stepper.name} {width} has {len(axes)}: "
@@ -64,8 +86,11 @@ def variant_of(name: str) -> Variant:
 
 
 def _stepper_of(name: str, goal: str) -> Stepper:
-    if re.fullmatch(r"n[1-9][0-9]*", goal):
+    if name != "euler" and name not in TABLEAUS:
+        raise ValueError(f"'{name}' is no stepper; there are euler, {', '.join(TABLEAUS)}")
+    if name == "euler" and re.fullmatch(r"n[1-9][0-9]*", goal):
         return Stepper(name, steps=int(goal[1:]))
-    if re.fullmatch(r"e[0-9](p[0-9]+)?m[0-9]+", goal):
+    if name != "euler" and re.fullmatch(r"e[0-9](p[0-9]+)?m[0-9]+", goal):
         return Stepper(name, budget=budget_of(goal))
-    raise ValueError(f"'{goal}' is no goal; expected n<steps> as n1000, or e<budget> as e1m06")
+    expected = "n<steps> as n1000" if name == "euler" else "e<budget> as e1m06"
+    raise ValueError(f"'{goal}' is no goal of {name}; expected {expected}")

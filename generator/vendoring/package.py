@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from generator import __version__
-from generator.emission.banner import banner, source_hash
+from generator.emission.banner import bannered
 from generator.emission.environment import environment
 from generator.emission.formatting import format_source
 from generator.emission.kernel_source import Field, HeaderUse, Naming, emit, emit_header, fields_of
@@ -211,11 +211,7 @@ def _page(
     request: VendorRequest, template: str, comment: str, formatted_as: str = "", **values: object
 ) -> str:
     """A template filled, with the banner on top; `formatted_as`: a file name for clang-format."""
-    page = environment().get_template(f"vendor/{template}.j2")
-    body = page.render(banner="", **values)
     made_for = f"{request.prefix}, scene {request.scene}, model {request.model}"
-    top = banner(
-        f"vendor/{template}.j2", made_for, request.command, source_hash(body), comment=comment
-    )
-    text = page.render(banner=top, **values)
+    page = f"vendor/{template}.j2"
+    text = bannered(page, made_for, request.command, [repr(request)], comment, **values)
     return format_source(text, formatted_as) if formatted_as else text

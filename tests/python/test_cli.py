@@ -302,6 +302,31 @@ def test_explain_prints_derivation_options_and_counts() -> None:
         assert part in text or part == "sum q", part
 
 
+def test_explain_takes_the_names_that_kernels_and_files_have() -> None:
+    name = "zen3.any.bottom_slip.dp54.e1m06.x1.est1.fma"  # carom_kernel() of that text
+    full = f"{name}.gcc.strict"
+    for each in (name, full, f"{name}.cpp", f"generated/zen3/any/{name}.cpp"):
+        result = call("explain", each)
+        assert result.exit_code == 0, result.output
+        assert result.stdout.splitlines()[0] == full
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        ((), ("name a kernel", "--header")),
+        (("zen3.any.pooltool.dp54.e1m06.x1.est2.fma", "--header", "any"), ("--header",)),
+        (("zen3.any.pooltool.rk4.e1m06.x1.est2.fma",), ("rk4", "no stepper", "dop853")),
+        (("zen3.any.pooltool.dp54.e1m06.x1.est0.fma",), ("roots-within-budget",)),
+        (("zen3.any.pooltool.dp54.e1m06.x1.est2",), ("choices", "root.fma.compiler.flags")),
+        (("--header", "moon"), ("moon", "pool")),
+        (("--header", "any", "--out", "/no/carom.h"), ("/no/carom.h", "no folder")),
+    ],
+)
+def test_emit_refuses_in_one_line(arguments, parts) -> None:
+    refused(call("emit", *arguments), *parts)
+
+
 @pytest.mark.parametrize("what", ["targets", "scenes", "variants", "models"])
 def test_list(what) -> None:
     result = call("list", what)

@@ -15,13 +15,15 @@ from kernels import ROOT, compile_alone, random_variants, variant
 
 from generator.choice.folder import differences, folders
 from generator.choice.selection import read_selection
+from generator.emission.banner import _generator, inputs_hash
+from generator.emission.environment import environment, templates_folder
 from generator.emission.kernel_source import emit
 from generator.scenes.scene import find_scene
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
 from generator.variants.lane_numbers import precision_of
 from generator.variants.lanes import widths_of
-from generator.variants.names import name_of, source_name_of, variant_of
+from generator.variants.names import name_of, variant_named, variant_of
 from generator.variants.presets import find_preset
 from generator.verification.reference import MODELS
 
@@ -33,6 +35,8 @@ FMA = re.compile(r"\bvfn?m(add|sub)")
 C_MAIN = Path(__file__).parents[1] / "c" / "one_collision.c"
 EMIT_ALL = """
 import sys
+from generator.emission.banner import _generator, inputs_hash
+from generator.emission.environment import environment, templates_folder
 from generator.emission.kernel_source import emit
 from generator.variants.names import variant_of
 for name in sys.stdin.read().split():
@@ -197,16 +201,110 @@ def test_same_bytes_in_another_process() -> None:
     assert len(texts[0]) > 1000 * len(made)
 
 
-def test_banner_names_its_makers_and_nothing_of_this_machine() -> None:
-    each = variant(**find_preset("reduced-ahead").options)
-    source = emit(each)
+EXACT = "zen3.any.mathavan2014.dp54.e1m06.x1.est1.fma"
+FIXED = "zen3.any.pooltool." + ".".join(
+    ("euler.n1000.x1.reduced.named.factored.chain.ahead", "early.fma.chosen.onestage.scalar")
+)
+
+
+def remake_of(text: str) -> list[str]:
+    """The arguments of the command that a banner names."""
+    words = re.search(r"^(?://| \*) remake: +\./gen (.*)$", text, re.MULTILINE)
+    assert words is not None
+    return words[1].split()
+
+
+def inputs_of(text: str) -> str:
+    found = re.search(r"inputs: +sha256 ([0-9a-f]{16})$", text, re.MULTILINE)
+    assert found is not None
+    return found[1]
+
+
+@pytest.mark.parametrize("name", [EXACT, FIXED])
+def test_banner_names_its_makers_and_nothing_of_this_machine(name: str) -> None:
+    source = emit(variant_named(name))
     for text, template in ((source.source, "kernel.cpp.j2"), (source.header, "carom.h.j2")):
         head = text.split("#", 1)[0]
-        for wanted in ("Do not edit", "MIT-0", f"templates/{template}", "./gen --target", "sha256"):
+        for wanted in ("Do not edit", "MIT-0", f"templates/{template}", "./gen emit", "sha256"):
             assert wanted in head
         assert not re.search(r"20[2-9]\d-|/home|/root|/work|/tmp", head)
         assert os.uname().nodename not in head
-    assert source_name_of(each) in source.source
+    assert name in source.source
+
+
+def test_the_command_of_a_banner_makes_the_file_again(tmp_path: Path) -> None:
+    """As a shell runs it: the bytes that the main job writes, on standard output or in a file."""
+    source, out = emit(variant_of(f"{EXACT}.clang.strict")), tmp_path / "again"
+    for text, more in ((source.source, []), (source.header, ["--out", str(out)])):
+        done = subprocess.run(
+            [sys.executable, "-P", "-m", "generator", *remake_of(text), *more],
+            capture_output=True,
+            check=True,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
+        assert (out.read_bytes() if more else done.stdout) == text.encode()
+
+
+# What a change of a template changes the inputs of.
+USED_BY = {
+    "exact/plan.j2": {"exact"},
+    "exact/macros.j2": {"exact"},  # imported
+    "lanes/scalar.j2": {"exact"},
+    "fixed_step/helpers/refined.j2": {"fixed"},  # its name is decided in Python
+    "sections/leave.j2": {"exact", "fixed"},
+    "carom.h.j2": {"header"},
+    "vendor/README.md.j2": set(),
+}
+
+
+def test_inputs_change_with_the_templates_of_a_text_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "templates"
+    shutil.copytree(templates_folder(), folder)
+    monkeypatch.setattr("generator.emission.environment.templates_folder", lambda: folder)
+    monkeypatch.setattr("generator.emission.banner.templates_folder", lambda: folder)
+    monkeypatch.setattr("generator.emission.kernel_source.format_source", lambda text, _: text)
+
+    def inputs() -> dict[str, str]:
+        exact, fixed = (emit(variant_named(name)) for name in (EXACT, FIXED))
+        texts = {"exact": exact.source, "fixed": fixed.source, "header": exact.header}
+        return {kind: inputs_of(text) for kind, text in texts.items()}
+
+    environment.cache_clear()
+    try:
+        before = inputs()
+        for template, expected in USED_BY.items():
+            changed = folder / template
+            changed.write_text(changed.read_text("utf-8") + "{# another comment #}", "utf-8")
+            after = inputs()
+            differ = {kind for kind in before if before[kind] != after[kind]}
+            print(f"{template}: changes the inputs of {sorted(differ)}")
+            assert differ == expected
+            before = after
+    finally:
+        environment.cache_clear()
+
+
+def test_inputs_change_with_a_pinned_tool_and_with_data(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = {inputs_hash(["carom.h.j2"], data) for data in ([], ["a"], ["b"])}
+    _generator.cache_clear()
+    monkeypatch.setattr("importlib.metadata.version", lambda name: f"another {name}")
+    found.add(inputs_hash(["carom.h.j2"], []))
+    _generator.cache_clear()
+    assert len(found) == 4
+
+
+def test_what_templates_import_imports_nothing_itself() -> None:
+    """Jinja makes a module of it once a process: what it loads then is noted for one text alone."""
+    texts = {p: p.read_text("utf-8") for p in templates_folder().rglob("*.j2")}
+    imported = {m for text in texts.values() for m in re.findall(r'(?:from|import) "(.+?)"', text)}
+    print(f"imported: {sorted(imported)}")
+    assert imported
+    for name in imported:
+        path = templates_folder() / name
+        if path.exists():
+            assert not re.search(r"{%-? *(?:include|import|from|extends)", texts[path]), name
 
 
 def test_operation_counts_are_in_the_text() -> None:

@@ -25,7 +25,7 @@ from generator.targets.target import find_target, targets
 from generator.timing.bench_tool import BenchTool
 from generator.toolchain.flags import compile_flags
 from generator.variants.axes import axes_of, axis
-from generator.variants.names import name_of, source_name_of, variant_of
+from generator.variants.names import name_of, source_name_of, variant_named, variant_of
 from generator.variants.presets import PAPER_PRESETS, PRESETS, find_preset
 from generator.variants.rules import RULES, broken_rule, require_legal
 from generator.variants.variant import Stepper, Variant, make_variant
@@ -78,10 +78,23 @@ def test_names_are_read_back() -> None:
     assert len({name_of(v) for v in random_variants(4, 500, TARGETS)}) == 500
 
 
+def test_a_kernel_is_named_in_full_or_as_its_text_and_its_file_are() -> None:
+    wide = make_variant("zen3", "any", "pooltool", Stepper("dp54", budget=1e-6), 8, numbers="float")
+    for each in [*random_variants(6, 50, tuple(targets())), wide]:
+        source = source_name_of(each)  # what carom_kernel() and Kernel.name tell
+        plain = each.with_options(compiler="gcc", flags="strict")
+        assert variant_named(name_of(each)) == each
+        for name in (source, f"{source}.cpp", f"generated/zen3/any/{source}.cpp"):
+            assert variant_named(name) == plain
+
+
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
         (lambda n: n.replace(".n1000.", ".many."), "no goal"),
+        (lambda n: n.replace(".n1000.", ".e1m06."), "no goal of euler; expected n<steps>"),
+        (lambda n: n.replace(".euler.", ".dp54."), "no goal of dp54; expected e<budget>"),
+        (lambda n: n.replace(".euler.", ".rk4."), "no stepper; there are euler, .*dp54"),
         (lambda n: n.replace(".x1.", ".1."), "no width"),
         (lambda n: n.rsplit(".", 1)[0], "choices"),
         (lambda n: n.replace(".nested.", ".nasty."), "no value 'nasty'"),
