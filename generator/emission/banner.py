@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -24,8 +24,8 @@ def bannered(
     made_for: str,
     remake: str,
     data: Iterable[str],
+    shown: Mapping[str, object],
     comment: str = "//",
-    **shown: object,
 ) -> str:
     """A template filled, with its banner; `data`: what the text follows from beside the sources."""
     body, used = rendered(template, banner=_PLACE, **shown)

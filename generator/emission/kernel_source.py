@@ -469,7 +469,7 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
     shown = {"k": context, "x": context.exact, "lanes": context.lanes, "b": context.euler_batch}
     data = (name, repr(naming), *_data_of(target), scene.model_dump_json())
     remake = command or f"./gen emit {name}"
-    source = format_source(bannered("kernel.cpp.j2", name, remake, data, **shown), f"{name}.cpp")
+    source = format_source(bannered("kernel.cpp.j2", name, remake, data, shown), f"{name}.cpp")
     return KernelSource(
         variant=variant,
         source_name=name,
@@ -508,7 +508,7 @@ def emit_header(
     }
     remake = command or f"./gen emit --header {scene.name}"
     data = (scene.model_dump_json(), prefix, repr(use))
-    text = bannered("carom.h.j2", f"scene {scene.name}", remake, data, "/*", **values)
+    text = bannered("carom.h.j2", f"scene {scene.name}", remake, data, values, "/*")
     return format_source(text, f"{prefix}.h")
 
 

@@ -213,5 +213,5 @@ def _page(
     """A template filled, with the banner on top; `formatted_as`: a file name for clang-format."""
     made_for = f"{request.prefix}, scene {request.scene}, model {request.model}"
     page = f"vendor/{template}.j2"
-    text = bannered(page, made_for, request.command, [repr(request)], comment, **values)
+    text = bannered(page, made_for, request.command, [repr(request)], values, comment)
     return format_source(text, formatted_as) if formatted_as else text
