@@ -21,7 +21,7 @@ _TITLES = (
 )
 
 
-def show_scene_costs(console: Console, target_name: str, seconds: float) -> None:
+def show_scene_costs(target_name: str, seconds: float) -> None:
     """Measure and print. Raises KernelError where a kernel cannot be compared."""
     target, host = resolve_target(target_name)
     require_runs(host, target)
@@ -31,6 +31,7 @@ def show_scene_costs(console: Console, target_name: str, seconds: float) -> None
     table = Table(*_TITLES, title_justify="left", show_edge=False)
     for cost in costs:
         table.add_row(*_row(cost))
+    console = Console()
     console.print(table)
     console.print(
         f"each beside the kernel of scene {PLAIN} for the same model and E, on the scene's cases; "

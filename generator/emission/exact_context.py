@@ -21,9 +21,8 @@ from generator.lowering.exact_step import (
 from generator.lowering.fixed_step import Part
 from generator.lowering.printer import ExpressionPrinter, Fma, decimal_product, number
 from generator.mechanics import symbols as s
-from generator.mechanics.contact import ContactTerms
 from generator.mechanics.masses import Masses, masses_of, pressed_changes
-from generator.mechanics.reduced import drives_its_slip
+from generator.mechanics.terms import ContactTerms, drives_its_slip
 from generator.scenes.scene import Scene
 from generator.steppers.budgets import StepControl, plan_for
 from generator.steppers.tableaus import Tableau

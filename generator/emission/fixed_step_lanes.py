@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from generator.emission.lanes import LaneContext
 from generator.lowering.fixed_step_lanes import CONTACT, LaneLowering
 from generator.lowering.printer import number
-from generator.mechanics.contact import ContactTerms
+from generator.mechanics.terms import ContactTerms
 from generator.variants.roots import refined_error
 from generator.variants.variant import Variant
 

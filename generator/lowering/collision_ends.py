@@ -15,8 +15,9 @@ from generator.lowering.fixed_step import Part
 from generator.lowering.printer import ExpressionPrinter, number
 from generator.lowering.statements import Assign, lower
 from generator.mechanics import symbols as s
-from generator.mechanics.contact import ContactTerms, lift_changes, slips, velocity_changes
+from generator.mechanics.contact import lift_changes, slips, velocity_changes
 from generator.mechanics.masses import Masses, pressed_changes
+from generator.mechanics.terms import ContactTerms
 from generator.scenes.scene import Scene
 
 KIND = "const double"

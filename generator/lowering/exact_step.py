@@ -20,8 +20,8 @@ from generator.lowering.fixed_step import Part
 from generator.lowering.printer import ExpressionPrinter, Fma, Plus, number
 from generator.lowering.statements import Assign, lower
 from generator.mechanics import symbols as s
-from generator.mechanics.contact import ContactTerms
 from generator.mechanics.masses import EQUAL, Masses, pressed_changes
+from generator.mechanics.terms import ContactTerms
 from generator.steppers.tableaus import Tableau
 
 # The slips that a step carries, in the order of struct Slips, and what they are in the mechanics;

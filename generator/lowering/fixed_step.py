@@ -16,7 +16,7 @@ from generator.lowering.counts import OperationCounts
 from generator.lowering.printer import Divide, ExpressionPrinter, Sqrt, number
 from generator.lowering.statements import Assign, Block, lower
 from generator.mechanics import symbols as s
-from generator.mechanics.contact import ContactTerms, lift_changes, slips, velocity_changes
+from generator.mechanics.contact import lift_changes, slips, velocity_changes
 from generator.mechanics.reduced import (
     DELTAS,
     DELTAS_BOTH,
@@ -25,6 +25,7 @@ from generator.mechanics.reduced import (
     recovery_both,
     reduced_system,
 )
+from generator.mechanics.terms import ContactTerms
 from generator.variants.variant import Variant
 
 REAL = "double"

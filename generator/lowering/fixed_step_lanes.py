@@ -11,13 +11,14 @@ from generator.lowering.fixed_step import Part
 from generator.lowering.printer import ExpressionPrinter, Fma, number
 from generator.lowering.statements import Assign, lower
 from generator.mechanics import symbols as s
-from generator.mechanics.contact import ContactTerms, slips, velocity_changes
+from generator.mechanics.contact import slips, velocity_changes
 from generator.mechanics.reduced import (
     merge_pressed,
     recovery,
     recovery_both,
     reduced_system,
 )
+from generator.mechanics.terms import ContactTerms
 
 KIND = "const Real"
 EQUAL = {s.BETA1: 1, s.BETA2: 1}

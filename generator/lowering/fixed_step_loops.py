@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from generator.lowering.counts import OperationCounts
 from generator.lowering.fixed_step import FixedStepLowering, Part
-from generator.mechanics.contact import ContactTerms
+from generator.mechanics.terms import ContactTerms
 from generator.variants.variant import Variant
 
 EMPTY = Part((), OperationCounts())

@@ -12,24 +12,13 @@ from dataclasses import dataclass
 import sympy as sp
 
 from generator.mechanics import symbols as s
+from generator.mechanics.terms import ContactTerms
 
 INERTIA = sp.Rational(2, 5)  # solid ball, in units of m R^2
 TO_BALL_2 = sp.Matrix([0, 1, 0])  # contact point on ball 1, from its centre, in units of R
 TO_BALL_1 = -TO_BALL_2
 TOP = sp.Matrix([0, 0, 1])
 BOTTOM = -TOP
-
-
-@dataclass(frozen=True)
-class ContactTerms:
-    """The two independent terms in which the contact models differ."""
-
-    table_slip_point: str  # "bottom" (Mathavan 2014) or "top" (pooltool, the report)
-    lift: bool  # does the lifted ball's vertical velocity enter the contact slip?
-
-    def __post_init__(self) -> None:
-        if self.table_slip_point not in ("top", "bottom"):
-            raise ValueError(f"table slip point must be top or bottom, not {self.table_slip_point}")
 
 
 @dataclass(frozen=True)

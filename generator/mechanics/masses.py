@@ -9,8 +9,8 @@ from fractions import Fraction
 import sympy as sp
 
 from generator.mechanics import symbols as s
-from generator.mechanics.contact import ContactTerms
 from generator.mechanics.reduced import reduced_system
+from generator.mechanics.terms import ContactTerms
 
 
 @dataclass(frozen=True)

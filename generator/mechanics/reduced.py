@@ -16,7 +16,8 @@ from types import MappingProxyType
 import sympy as sp
 
 from generator.mechanics import symbols as s
-from generator.mechanics.contact import ContactTerms, lift_changes, slips, velocity_changes
+from generator.mechanics.contact import lift_changes, slips, velocity_changes
+from generator.mechanics.terms import ContactTerms
 
 EQUAL_MASSES = {s.BETA1: sp.Integer(1), s.BETA2: sp.Integer(1)}
 
@@ -46,11 +47,6 @@ def reduced_system(terms: ContactTerms, pressed: int, equal: bool = True) -> Red
         change = sp.expand(change.subs(nothing))
         changes[name] = change.subs(EQUAL_MASSES) if equal else change
     return ReducedSystem(terms, pressed, MappingProxyType(changes))
-
-
-def drives_its_slip(terms: ContactTerms) -> bool:
-    """Does friction on the table drive the slip that it comes from away from zero?"""
-    return bool(reduced_system(terms, 2).coefficient(s.S2X, s.T2X) < 0)
 
 
 @dataclass(frozen=True)

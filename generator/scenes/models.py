@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from generator.errors import InputError
-from generator.mechanics.contact import ContactTerms
+from generator.mechanics.terms import ContactTerms
 
 
 @dataclass(frozen=True)

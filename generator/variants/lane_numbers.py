@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from generator.mechanics.reduced import drives_its_slip
+from generator.mechanics.terms import drives_its_slip
 from generator.scenes.models import find_model
 from generator.scenes.scene import find_scene
 from generator.targets.target import Target

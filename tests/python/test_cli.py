@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -262,6 +265,42 @@ def test_collide_refuses_bad_options(options, parts, tmp_path) -> None:
     out = tmp_path / "out.csv"
     refused(call("collide", "--cases", INPUTS, "--out", out, *options), *parts)
     assert list(tmp_path.iterdir()) == []
+
+
+# ---- what starts fast loads little -------------------------------------------------------------
+
+LOADED = """
+import json, sys
+import generator
+slow = ("sympy", "numpy", "scipy", "matplotlib", "pydantic", "jinja2", "rich")
+def loaded(): return [name for name in slow if name in sys.modules]
+found = {"import generator": loaded()}
+from click.testing import CliRunner
+from generator.cli.main import gen
+helps = [[name, "--help"] for name in gen.commands]
+lists = [["list", what] for what in ("targets", "scenes", "variants", "models")]
+for words in ([], ["--help"], ["--version"], *helps, *lists):
+    CliRunner().invoke(gen, words)
+    found["gen " + " ".join(words)] = loaded()
+print(json.dumps(found))
+"""
+
+
+def test_help_and_lists_load_no_library_that_is_slow_to_load() -> None:
+    """SymPy takes a second to load, SciPy half of one: `gen --help` took 2.5 s with them."""
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", LOADED],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    found = json.loads(done.stdout)
+    print("\n".join(f"{command}: {libraries}" for command, libraries in found.items()))
+    assert len(found) > 15
+    for command, libraries in found.items():
+        tables = " list " in command and "--help" not in command
+        assert set(libraries) <= ({"pydantic", "rich"} if tables else set()), command
 
 
 # ---- the main job, bench, explain, list ------------------------------------------------------

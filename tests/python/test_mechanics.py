@@ -8,8 +8,9 @@ import sympy as sp
 from generator.lowering.printer import Divide, ExpressionPrinter, number
 from generator.lowering.statements import Assign, lower
 from generator.mechanics import symbols as s
-from generator.mechanics.contact import ContactTerms, lift_changes, slips, velocity_changes
+from generator.mechanics.contact import lift_changes, slips, velocity_changes
 from generator.mechanics.reduced import DELTAS, recovery, recovery_both, reduced_system
+from generator.mechanics.terms import ContactTerms
 from generator.scenes.models import MODELS, find_model
 
 HALF = sp.Rational(1, 2)

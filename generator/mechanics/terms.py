@@ -1,0 +1,25 @@
+"""What the contact models differ in. It is read without SymPy, which takes a second to load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ContactTerms:
+    """The two independent terms in which the contact models differ."""
+
+    table_slip_point: str  # "bottom" (Mathavan 2014) or "top" (pooltool, the report)
+    lift: bool  # does the lifted ball's vertical velocity enter the contact slip?
+
+    def __post_init__(self) -> None:
+        if self.table_slip_point not in ("top", "bottom"):
+            raise ValueError(f"table slip point must be top or bottom, not {self.table_slip_point}")
+
+
+def drives_its_slip(terms: ContactTerms) -> bool:
+    """Does friction on the table drive the slip that it comes from away from zero?"""
+    from generator.mechanics import symbols as s
+    from generator.mechanics.reduced import reduced_system
+
+    return bool(reduced_system(terms, 2).coefficient(s.S2X, s.T2X) < 0)
