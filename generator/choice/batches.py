@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from generator.choice.candidates import batch_candidates
-from generator.choice.choose import Choice, choose_by_model, choose_by_time, choose_first
+from generator.choice.choose import Choice, choose_by_time
 from generator.choice.job import STEPS, verify
 from generator.choice.modelling import model_all, model_loop
+from generator.choice.recorded import MORE, choose_elsewhere, legal_here
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
+from generator.records.recipe import contest_of
 from generator.targets.host import Host
 from generator.targets.target import Target
+from generator.variants.axes import axis
+from generator.variants.variant import Variant
 
 
 def batch_job(
@@ -27,30 +34,47 @@ def batch_job(
     variants = batch_candidates(single.variant, target, list(bench.compilers))
     if not variants:
         return None
+    variants = _with_recorded_lanes(bench, variants, single.variant, target)
     candidates = bench.prepare([first.variant, single.variant, *variants], target)
     bench.compile(candidates)
     wide = candidates[2:]
-    model = single.variant.model
-    runs_here = host.runs(target)
-    if runs_here or bench.emulated is not None:
-        expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
+    if host.runs(target) or bench.emulated is not None:
+        expected = bench.expected(scene, single.variant.model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
         verify(bench, candidates, expected)
         if all(c.rejected for c in wide):
             return None
-    if runs_here:
+    if host.is_a(target):
         run = bench.time(candidates, candidates[0], scene, seconds, batches=True)
-    if runs_here and host.target.name == target.name and host.exact:
-        return candidates, candidates[0], choose_by_time(wide, run, host.target.name)
-    exact = single.variant.stepper.family == "exact"
-    if exact and bench.emulated is None:
-        # How many passes their lanes take is known where they run alone: here, if anywhere.
-        chosen = choose_by_time(wide, run, host.target.name) if runs_here else None
-        return candidates, candidates[0], chosen or choose_first(wide, target.name)
-    model_all(bench, candidates[:2], target, bench.timing_cases(scene, model))
-    if exact:
+        return candidates, candidates[0], choose_by_time(wide, run, host)
+
+    def model(some: Sequence[Candidate]) -> None:
+        _model(bench, some, target, scene)
+
+    choice = choose_elsewhere(bench, wide, candidates[0], target, True, model)
+    return candidates, candidates[0], choice
+
+
+def _with_recorded_lanes(
+    bench: Workbench, variants: list[Variant], single: Variant, target: Target
+) -> list[Variant]:
+    """And the lanes that were fastest on the target's CPU, with single calls as chosen."""
+    contest = contest_of(variants[0], batch=True).split("/", 1)[1]
+    found = [*variants]
+    for fast in bench.timings.fastest(contest, target.name, MORE):
+        lanes = {key: code for key, code in fast.options if axis(key).lanes}
+        known = {"compiler": fast["compiler"], "fma": fast["fma"]}
+        found.append(replace(single, stepper=fast.stepper).in_lanes(fast.width, **known, **lanes))
+    return legal_here(bench, found, target)
+
+
+def _model(bench: Workbench, some: Sequence[Candidate], target: Target, scene: str) -> None:
+    """Lanes by a batch that they run, those of fixed steps by their loop; all others by calls."""
+    model = some[0].variant.model
+    alone = [c for c in some if not c.is_batch]
+    model_all(bench, alone, target, bench.timing_cases(scene, model))
+    wide = [c for c in some if c.is_batch and not c.rejected]
+    if all(c.variant.stepper.family == "exact" for c in wide):
         model_all(bench, wide, target, bench.batch_cases(scene, model))
     else:
         for candidate in wide:
-            if not candidate.rejected:
-                model_loop(bench, candidate, target)
-    return candidates, candidates[0], choose_by_model(wide, target.row.mca_cpu)
+            model_loop(bench, candidate, target)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from generator.choice.folder import file_of
-from generator.choice.selection import Selected
+from generator.choice.selection import ChosenBy, Selected
 from generator.choice.workbench import Candidate
 from generator.errors import KernelError
+from generator.records.evidence import NEGLIGIBLE, WON, told
+from generator.targets.host import Host
+from generator.targets.target import Target
 from generator.timing.ratios import TimingRun, fastest, ties
+from generator.variants.variant import Variant
 
 MODEL_BAND = 0.005  # modelled cycles that differ by less count as a tie
+MODEL_ERROR = 2.2  # by so much the model was seen to err of two kernels on one CPU
 
 
 @dataclass(frozen=True)
@@ -20,8 +25,9 @@ class Choice:
 
     chosen: Candidate
     ties: tuple[str, ...]
-    by: str  # "timing", "llvm-mca" or "default"
+    by: ChosenBy
     measured_on: str
+    evidence: str  # for readers: which CPU, when, how many; or which model
 
 
 def _preferred(tied: Sequence[Candidate]) -> Candidate:
@@ -29,7 +35,7 @@ def _preferred(tied: Sequence[Candidate]) -> Candidate:
     return min(tied, key=lambda c: c.variant.distance_from_default())
 
 
-def _eligible(candidates: Sequence[Candidate]) -> list[Candidate]:
+def eligible(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Verified kernels with IEEE arithmetic: -Ofast is for the report's rows alone."""
     found = [
         c
@@ -45,33 +51,65 @@ def _eligible(candidates: Sequence[Candidate]) -> list[Candidate]:
     return found
 
 
-def choose_by_time(candidates: Sequence[Candidate], run: TimingRun, cpu: str) -> Choice:
+def choose_by_time(candidates: Sequence[Candidate], run: TimingRun, host: Host) -> Choice:
     """Where the target is this host's CPU."""
-    timed = {c.name: c for c in _eligible(candidates) if c.timing is not None}
+    timed = {c.name: c for c in eligible(candidates) if c.timing is not None}
     best = fastest(run, timed)
     tied = ties(run, best, timed)
-    return Choice(_preferred([timed[name] for name in tied]), tied, "timing", cpu)
+    chosen, name = _preferred([timed[name] for name in tied]), host.target.name
+    evidence = f"timed on {host.cpu} ({name}), {run.day}, {len(timed)} kernels"
+    return Choice(chosen, tied, "timing", name, evidence)
 
 
-def choose_by_model(candidates: Sequence[Candidate], cpu: str) -> Choice:
-    """Where it is not: by the cycles of a collision that llvm-mca replays."""
-    modelled = [c for c in _eligible(candidates) if c.modelled is not None]
+def choose_by_model(
+    candidates: Sequence[Candidate], cpu: str, wins: Callable[[Variant], int] = lambda _: 0
+) -> Choice:
+    """Where it is not: by the cycles of a collision that llvm-mca replays.
+
+    Of those it cannot tell apart the one whose recipe has won on the most CPUs that were timed.
+    """
+    modelled = [c for c in eligible(candidates) if c.modelled is not None]
     if not modelled:
         raise KernelError("llvm-mca gave no figure for any candidate")
     least = min(_cycles(c) for c in modelled)
     tied = [c for c in modelled if _cycles(c) <= least * (1 + MODEL_BAND)]
-    return Choice(_preferred(tied), tuple(c.name for c in tied), "llvm-mca", cpu)
+    most = max(wins(c.variant) for c in tied)
+    chosen = _preferred([c for c in tied if wins(c.variant) == most])
+    evidence = f"modelled by llvm-mca for {cpu}, {len(modelled)} kernels"
+    return Choice(chosen, tuple(c.name for c in tied), "llvm-mca", cpu, evidence)
 
 
-def choose_first(candidates: Sequence[Candidate], cpu: str) -> Choice:
-    """Where neither can be had: the first listed of those that hold."""
-    chosen = _eligible(candidates)[0]
-    return Choice(chosen, (chosen.name,), "default", cpu)
+def choose_by_records(candidates: Sequence[Candidate], target: Target) -> Choice:
+    """Where the target's CPU was timed elsewhere: records compete among themselves.
+
+    A kernel that nobody timed takes their winner's place where the model says that it is faster by
+    more than the model errs.
+    """
+    found = eligible(candidates)
+    timed = [c for c in found if c.recorded is not None]
+    least = min(_recorded(c) for c in timed)
+    tied = [c for c in timed if _recorded(c) <= least * WON]
+    chosen = _preferred([c for c in tied if _recorded(c) <= least * NEGLIGIBLE])
+    rest = [c for c in found if c.recorded is None and c.modelled is not None]
+    evidence = told([c.recorded for c in timed if c.recorded is not None], len(rest))
+    if chosen.modelled is not None:
+        limit = _cycles(chosen) / MODEL_ERROR
+        better = [c for c in rest if _cycles(c) < limit]
+        if better:
+            chosen = min(better, key=_cycles)
+            evidence += ", one of which by so much that it is chosen"
+            return Choice(chosen, (chosen.name,), "llvm-mca", target.row.mca_cpu, evidence)
+    return Choice(chosen, tuple(c.name for c in tied), "records", target.name, evidence)
 
 
 def _cycles(candidate: Candidate) -> float:
     assert candidate.modelled is not None
     return candidate.modelled.cycles
+
+
+def _recorded(candidate: Candidate) -> float:
+    assert candidate.recorded is not None
+    return candidate.recorded.record.ratio
 
 
 def selected(choice: Choice, baseline: Candidate) -> Selected:
@@ -82,6 +120,8 @@ def selected(choice: Choice, baseline: Candidate) -> Selected:
         ratio = round(chosen.timing.ratio, 4)
         low, high = chosen.timing.ratio_ci
         interval = (round(low, 4), round(high, 4))
+    elif choice.by == "records" and (found := chosen.recorded) is not None and not found.contest:
+        ratio, interval = found.record.ratio, found.record.ratio_ci
     elif choice.by == "llvm-mca" and baseline.modelled is not None:
         ratio = round(_cycles(chosen) / _cycles(baseline), 4)
     assert chosen.verdict is not None
@@ -93,8 +133,9 @@ def selected(choice: Choice, baseline: Candidate) -> Selected:
         steps=variant.stepper.steps,
         budget=variant.stepper.budget,
         width=variant.width,
-        chosen_by=choice.by,  # type: ignore[arg-type]
+        chosen_by=choice.by,
         measured_on=choice.measured_on,
+        evidence=choice.evidence,
         ratio_to_baseline=ratio,
         ratio_ci=interval,
         max_rel_error=float(f"{chosen.verdict.max_rel_error:.3g}"),

@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
-from generator.choice.choose import Choice, choose_by_model, choose_by_time
+from generator.choice.choose import Choice, choose_by_time
 from generator.choice.modelling import model_all
+from generator.choice.recorded import choose_elsewhere, with_recorded
 from generator.choice.workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
@@ -15,9 +16,10 @@ from generator.choice.workbench import (
     Expected,
     Workbench,
 )
+from generator.records.recipe import contest_of
 from generator.targets.host import Host
 from generator.targets.target import Target
-from generator.variants.names import name_of
+from generator.variants.variant import Variant
 
 STEPS = 1000
 EMULATED = 5  # of the cases one in so many runs under an emulator
@@ -35,10 +37,8 @@ def exact_job(budget: float) -> Job:
     ) -> tuple[list[Candidate], Candidate, Choice]:
         codes = list(bench.compilers)
         first = baseline(target, scene, model, STEPS, codes)
-        candidates = bench.prepare(
-            [first, *exact_candidates(target, scene, model, budget, codes)], target
-        )
-        bench.compile(candidates)
+        variants = exact_candidates(target, scene, model, budget, codes)
+        candidates = _prepared(bench, first, variants, target)
         expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
         return _judged(bench, candidates, expected, target, host, scene, seconds)
 
@@ -52,11 +52,20 @@ def fixed_step_job(
     codes = list(bench.compilers)
     variants = fixed_step_candidates(target, scene, model, STEPS, codes)
     first = baseline(target, scene, model, STEPS, codes)
-    variants = [first, *(v for v in variants if name_of(v) != name_of(first))]
-    candidates = bench.prepare(variants, target)
-    bench.compile(candidates)
+    candidates = _prepared(bench, first, variants, target)
     expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
     return _judged(bench, candidates, expected, target, host, scene, seconds)
+
+
+def _prepared(
+    bench: Workbench, first: Variant, variants: Sequence[Variant], target: Target
+) -> list[Candidate]:
+    """The baseline, the variants and what was fastest on the target's CPU, compiled."""
+    contest = contest_of(variants[-1], batch=False).split("/", 1)[1]
+    known = with_recorded(bench, [first, *variants], target, contest)
+    candidates = bench.prepare(known, target)
+    bench.compile(candidates)
+    return candidates
 
 
 def verify(bench: Workbench, candidates: Sequence[Candidate], expected: Expected) -> None:
@@ -91,15 +100,18 @@ def _judged(
     scene: str,
     seconds: float,
 ) -> tuple[list[Candidate], Candidate, Choice]:
-    """Verified and timed where the target's code runs here; chosen by time on the target alone."""
-    runs_here = host.runs(target)
-    is_host = runs_here and host.target.name == target.name and host.exact
-    if runs_here or bench.emulated is not None:
+    """Verified where the target's code runs; timed where this is the target's CPU alone.
+
+    Else chosen by what was timed on such a CPU, and by llvm-mca.
+    """
+    first = candidates[0]
+    if host.runs(target) or bench.emulated is not None:
         verify(bench, candidates, expected)
-    if runs_here:
-        run = bench.time(candidates, candidates[0], scene, seconds)
-    if is_host:
-        return candidates, candidates[0], choose_by_time(candidates, run, host.target.name)
-    cases = bench.timing_cases(scene, candidates[0].variant.model)
-    model_all(bench, candidates, target, cases)
-    return candidates, candidates[0], choose_by_model(candidates, target.row.mca_cpu)
+    if host.is_a(target):
+        run = bench.time(candidates, first, scene, seconds)
+        return candidates, first, choose_by_time(candidates, run, host)
+
+    def model(some: Sequence[Candidate]) -> None:
+        model_all(bench, some, target, bench.timing_cases(scene, first.variant.model))
+
+    return candidates, first, choose_elsewhere(bench, candidates, first, target, False, model)

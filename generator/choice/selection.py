@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from generator.errors import InputError
 
 FILE = "selection.json"
+ChosenBy = Literal["timing", "records", "llvm-mca", "default"]  # records: timed earlier
 
 
 class Selected(BaseModel):
@@ -25,8 +26,9 @@ class Selected(BaseModel):
     steps: int | None
     budget: float | None
     width: int
-    chosen_by: Literal["timing", "llvm-mca", "default"]
+    chosen_by: ChosenBy
     measured_on: str  # the CPU that was timed or modelled
+    evidence: str = ""  # which CPU was timed, when, how many kernels, how many of earlier code
     ratio_to_baseline: float | None  # of time, or of modelled cycles
     ratio_ci: tuple[float, float] | None
     max_rel_error: float | None
@@ -67,7 +69,7 @@ class Selection(BaseModel):
         return min((entry for entry in found if entry), key=batch_rank, default=None)
 
     def with_entries(self, entries: list[Selected]) -> Selection:
-        """Entries replaced or added; the rest as it was."""
+        """Entries replaced or added; the rest as it was. A goal has one batch kernel."""
         kept = {_key(entry): entry for entry in self.kernels}
         kept.update({_key(entry): entry for entry in entries})
         ordered = [kept[key] for key in sorted(kept)]
@@ -83,9 +85,9 @@ def batch_rank(entry: Selected) -> tuple[float, int]:
     return ratio, -entry.width
 
 
-def _key(entry: Selected) -> tuple[str, str, str, int]:
+def _key(entry: Selected) -> tuple[str, str, str, bool]:
     goal = f"n{entry.steps:09d}" if entry.steps is not None else f"e{entry.budget:.17e}"
-    return entry.model, entry.stepper if entry.steps is not None else "exact", goal, entry.width
+    return entry.model, entry.stepper if entry.steps is not None else "exact", goal, entry.width > 1
 
 
 def read_selection(folder: Path) -> Selection | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal
@@ -13,6 +14,7 @@ import numpy as np
 from generator.choice.store import Store, key_of
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import KernelCrash, KernelError, KernelTimeout
+from generator.records.evidence import Found, Timings
 from generator.scenes.scene import find_scene
 from generator.targets.host import read_host
 from generator.targets.target import Target
@@ -58,6 +60,7 @@ class Candidate:
     pooltool: Verdict | None = None  # against pooltool's own doubles, where they exist
     timing: TimingResult | None = None
     modelled: Modelled | None = None  # where the target's CPU is not here
+    recorded: Found | None = None  # likewise: what was timed on such a CPU
     rejected: str = ""
 
     @property
@@ -103,6 +106,7 @@ class Workbench:
     progress: Progress = field(default=lambda what, done, of: None)
     fresh: bool = False  # verify and time anew instead of reusing what is still valid
     emulated: EmulatedRunner | None = None  # runs kernels of another architecture
+    timings: Timings = field(default_factory=Timings)  # of CPUs that are not here
     kernel_timeout: float = 300.0  # seconds for a kernel over the cases that are verified on
 
     def __post_init__(self) -> None:
@@ -313,7 +317,11 @@ class Workbench:
         libraries = {c.name: c.library.key for c in [baseline, *alive] if c.library is not None}
         host = read_host()
         key = key_of(libraries, baseline.name, cases, self.tool.executable.name, host.cpu, seconds)
-        run = timing_run(self.store.kept("timings", key, lambda: self.tool.timing_document(plan)))
+        day = datetime.now(UTC).date().isoformat()
+        made = self.store.kept(
+            "timings", key, lambda: {**self.tool.timing_document(plan), "day": day}
+        )
+        run = timing_run(made)
         results = {result.name: result for result in timing_results(run)}
         for candidate in candidates:
             candidate.timing = results.get(candidate.name)

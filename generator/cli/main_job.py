@@ -61,7 +61,7 @@ def run_main_job(
                 write_folder(folder, selection.with_entries(entries))
                 for (shown, _, chosen), entry in zip(found, entries, strict=True):
                     console.print(f"\nmodel {name}, {_goal(chosen)}", highlight=False)
-                    show_table(console, shown, chosen, target, host)
+                    show_table(console, shown, chosen, target)
                     _footnotes(console, bench, shown, chosen, target, host)
                     written = f"written: {folder}/ ({entry.file})"
                     console.print(written, highlight=False, soft_wrap=True)
@@ -112,8 +112,9 @@ def _footnotes(
             f"{target.name} is of another architecture: run under "
             f"{Path(bench.emulated.emulator[0]).name}, and no time is known of it"
         )
-    if choice.by == "llvm-mca":
+    if choice.chosen.modelled is not None:
         say(_grounds(choice, target, host))
+    say(f"grounds: {choice.evidence}")
     for note in sorted({f"{c.compiler.code}: {c.march_note}" for c in candidates if c.march_note}):
         say(note)
     if counts := bench.reused():
@@ -123,20 +124,19 @@ def _footnotes(
 
 
 def _grounds(choice: Choice, target: Target, host: Host) -> str:
-    """What a choice without the target's CPU rests on."""
-    head = f"{target.name} is not this host's CPU ({host.target.name}): chosen by"
+    """What the figures of llvm-mca are."""
+    head = f"{target.name} is not this host's CPU ({host.target.name}): llvm-mca's cycles for"
     figures = choice.chosen.modelled
     assert figures is not None
     if not figures.cases:
         return (
-            f"{head} llvm-mca's cycles for {target.row.mca_cpu} of N steps of the loop, over its "
-            "lanes: a model's figure, not a time"
+            f"{head} {target.row.mca_cpu} are of N steps of the loop, over its lanes: a model's "
+            "figure, not a time"
         )
-    times = "the times are this host's, not the target's" if host.runs(target) else "none was timed"
     return (
-        f"{head} cycles a collision, the instructions that {_replayed(choice)} executed here "
-        f"replayed by llvm-mca for {target.row.mca_cpu} (branches guessed rightly, memory in the "
-        f"nearest cache): a model's figure; {times}"
+        f"{head} {target.row.mca_cpu} are a collision's, the instructions that "
+        f"{_replayed(choice)} executed here replayed (branches guessed rightly, memory in the "
+        "nearest cache): a model's figure, not a time"
     )
 
 

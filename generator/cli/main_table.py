@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from rich.console import Console
 from rich.table import Table
 
 from generator.choice.choose import Choice
 from generator.choice.workbench import Candidate
-from generator.targets.host import Host
 from generator.targets.target import Target, find_target
 from generator.variants.axes import axis
 from generator.variants.names import source_name_of
@@ -22,22 +22,22 @@ ROOMY = 108  # columns from which on the clock's cycles have room too
 
 
 def show_table(
-    console: Console, candidates: Sequence[Candidate], choice: Choice, target: Target, host: Host
+    console: Console, candidates: Sequence[Candidate], choice: Choice, target: Target
 ) -> None:
     """The table, then a line for each candidate that was rejected."""
-    modelled = choice.by == "llvm-mca"
+    shown = _shown(candidates)
     roomy = console.width >= ROOMY
-    ordered = sorted(candidates, key=lambda c: _rank(c, modelled))
+    ordered = sorted(candidates, key=lambda c: _rank(c))
     base = _base([c.variant for c in ordered if not preset_of(c.variant)])
-    where = f"timed on {host.target.name} ({host.cpu})" if _timed(ordered) else "not run here"
-    console.print(f"{target.name}: speed against error, {where}", highlight=False, soft_wrap=True)
+    head = f"{target.name}: speed against error, {choice.evidence}"
+    console.print(head, highlight=False, soft_wrap=True)
     table = Table(show_edge=False, pad_edge=False, collapse_padding=True)
     table.add_column("kernel: options", ratio=1, overflow="fold")
-    for title in _titles(modelled, target, roomy):
+    for title in _titles(shown, target, roomy):
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("", no_wrap=True)
     for c in ordered:
-        figures = _figures(c, modelled, roomy)
+        figures = _figures(c, shown, roomy)
         table.add_row(_label(c.variant, base), *figures, _mark(c, choice))
     console.print(table)
     console.print(
@@ -68,8 +68,21 @@ def preset_of(variant: Variant) -> str:
     return ""
 
 
-def _timed(candidates: Sequence[Candidate]) -> bool:
-    return any(c.timing is not None for c in candidates)
+@dataclass(frozen=True)
+class _Shown:
+    """Which figures the candidates of a table have."""
+
+    modelled: bool
+    recorded: bool
+    timed: bool
+
+
+def _shown(candidates: Sequence[Candidate]) -> _Shown:
+    return _Shown(
+        any(c.modelled for c in candidates),
+        any(c.recorded for c in candidates),
+        any(c.timing for c in candidates),
+    )
 
 
 def _base(variants: Sequence[Variant]) -> dict[str, str]:
@@ -96,29 +109,31 @@ def _label(variant: Variant, base: dict[str, str]) -> str:
     return f"{preset}: {' '.join(differing)}" if differing else preset
 
 
-def _titles(modelled: bool, target: Target, roomy: bool) -> list[str]:
-    first = [f"cycles\n{target.row.mca_cpu}\n(llvm-mca)"] if modelled else []
-    clock = ["TSC\ncycles"] if roomy else []
-    ratio = "ratio to\npaper-initial\n(95 %)"
-    return [*first, "ns", "ns\nlatency", "ns\nseed\ncases", *clock, ratio, "largest\nerror\nm/s"]
+def _titles(shown: _Shown, target: Target, roomy: bool) -> list[str]:
+    titles = [f"cycles\n{target.row.mca_cpu}\n(llvm-mca)"] if shown.modelled else []
+    titles += ["ns\nrecorded"] if shown.recorded else []
+    if shown.timed:
+        titles += ["ns", "ns\nlatency", "ns\nseed\ncases", *(["TSC\ncycles"] if roomy else [])]
+    ratio = ["ratio to\npaper-initial\n(95 %)"] if shown.timed or shown.recorded else []
+    return [*titles, *ratio, "largest\nerror\nm/s"]
 
 
-def _figures(candidate: Candidate, modelled: bool, roomy: bool) -> list[str]:
-    timing, model = candidate.timing, candidate.modelled
+def _figures(candidate: Candidate, shown: _Shown, roomy: bool) -> list[str]:
+    timing, model, found = candidate.timing, candidate.modelled, candidate.recorded
     row = []
-    if modelled:
+    if shown.modelled:
         row.append(f"{model.cycles:.0f}" if model else "-")
-    times = (timing.ns, timing.latency_ns, timing.seed_ns) if timing else (None, None, None)
-    row += ["-" if ns is None else f"{ns:.0f}" for ns in times]
-    if roomy:
-        row.append(f"{timing.cycles:.0f}" if timing else "-")
-    if timing is None:
-        row.append("-")
-    else:
-        low, high = timing.ratio_ci
-        row.append(f"{timing.ratio:.3f}\n{low:.3f}-{high:.3f}")
-    row.append(_error(candidate))
-    return row
+    if shown.recorded:
+        row.append(f"{found.record.ns:.0f}" if found else "-")
+    if shown.timed:
+        times = (timing.ns, timing.latency_ns, timing.seed_ns) if timing else (None, None, None)
+        times = (*times, timing.cycles if timing else None) if roomy else times
+        row += ["-" if ns is None else f"{ns:.0f}" for ns in times]
+    measured = timing or (found.record if found else None)
+    if shown.timed or shown.recorded:
+        low, high = measured.ratio_ci if measured else (0.0, 0.0)
+        row.append(f"{measured.ratio:.3f}\n{low:.3f}-{high:.3f}" if measured else "-")
+    return [*row, _error(candidate)]
 
 
 def _error(candidate: Candidate) -> str:
@@ -138,11 +153,13 @@ def _mark(candidate: Candidate, choice: Choice) -> str:
     return "tie" if candidate.name in choice.ties else ""
 
 
-def _rank(candidate: Candidate, modelled: bool) -> tuple[int, float, str]:
+def _rank(candidate: Candidate) -> tuple[int, float, str]:
     if candidate.rejected:
-        return 2, 0.0, candidate.name
-    if modelled and candidate.modelled is not None:
-        return 0, candidate.modelled.cycles, candidate.name
+        return 3, 0.0, candidate.name
     if candidate.timing is not None:
         return 0, candidate.timing.ratio, candidate.name
-    return 1, 0.0, source_name_of(candidate.variant)
+    if candidate.recorded is not None:
+        return 0, candidate.recorded.record.ratio, candidate.name
+    if candidate.modelled is not None:
+        return 1, candidate.modelled.cycles, candidate.name
+    return 2, 0.0, source_name_of(candidate.variant)

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from generator.choice.workbench import Workbench
 from generator.errors import InputError
 from generator.places import cache_folder, working_root
+from generator.records.evidence import read_timings
 from generator.targets.host import Host, read_host
 from generator.targets.target import Target, find_target
 from generator.timing.bench_tool import build_bench_tool
@@ -64,4 +65,5 @@ def workbench(
             console.print(f"carom: going on without: {lacking}", highlight=False)
         show("building the bench", 0, 1)
         tool = build_bench_tool(cache_folder())
-        yield Workbench(tool, cache_folder(), compilers, show, fresh, emulated)
+        timings = read_timings(ROOT, lambda line: console.print(f"carom: {line}", highlight=False))
+        yield Workbench(tool, cache_folder(), compilers, show, fresh, emulated, timings)

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from generator.errors import InputError
 from generator.records.files import FOLDER, SUFFIX, read_records
 from generator.records.recipe import contest_of, recipe_of, variant_of_recipe
 from generator.records.record import Basis, TimingRecord
+from generator.scenes.scene import find_scene
 from generator.targets.target import targets
 from generator.variants.axes import axis
 from generator.variants.variant import Variant
 
-WON = 1.02  # what takes no more than this of the fastest has won, too
+NEGLIGIBLE = 1.01  # what takes no more than this of the fastest may be chosen
+WON = 1.02  # what takes no more than this of the fastest has won, too: two timings differ by 1 %
 
 # A recipe as far as it tells of a contest's time; the fields of a contest without its target.
 Key = tuple[str, str]
@@ -38,48 +40,79 @@ def _single_only(key: str, family: str) -> bool:
 
 @dataclass(frozen=True)
 class Found:
-    """The record that tells most of a kernel. `changed`: what is another since; empty: nothing."""
+    """The record that tells most of a kernel."""
 
     record: TimingRecord
-    changed: tuple[str, ...]
+    changed: tuple[str, ...]  # what is another since, in a reader's words; empty: nothing
+    contest: str = ""  # of the record, where it is not the kernel's own
 
 
 @dataclass(frozen=True)
 class Timings:
     """Records of CPUs by the kernel's key. `damaged`: a line for each record that was skipped."""
 
-    by_cpu: Mapping[str, Mapping[Key, tuple[TimingRecord, ...]]]
+    by_cpu: Mapping[str, Mapping[Key, tuple[TimingRecord, ...]]] = field(default_factory=dict)
     damaged: tuple[str, ...] = ()
-
-    def find(self, cpu: str, variant: Variant, batch: bool, now: Basis | None) -> Found | None:
-        """The record of today's code if there is one, else of earlier code; then the narrowest."""
-        records = self.by_cpu.get(cpu, {}).get(key_of_kernel(variant, batch), ())
-        found = [Found(record, record.basis.changed(now) if now else ()) for record in records]
-        return min(found, key=_telling, default=None)
-
-    def contest(self, cpu: str, contest: str) -> dict[str, TimingRecord]:
-        """The record that tells most of each recipe. `contest`: without its target."""
-        there = self.by_cpu.get(cpu, {})
-        return {
-            recipe: min(records, key=lambda r: r.spread)
-            for (name, recipe), records in there.items()
-            if name == contest
-        }
 
     def contests(self, cpu: str) -> list[str]:
         return sorted({name for name, _ in self.by_cpu.get(cpu, {})})
 
-    def wins(self, variant: Variant, batch: bool) -> int:
-        """On how many CPUs a kernel's recipe is within 2 % of the fastest that may be chosen."""
-        contest, recipe = key_of_kernel(variant, batch)
-        return sum(recipe in self.winners(cpu, contest) for cpu in self.by_cpu)
+    def contest(self, cpu: str, contest: str) -> dict[str, TimingRecord]:
+        """The record that tells most of each recipe that may be chosen, the fastest first.
+
+        `contest`: without its target.
+        """
+        found = {
+            recipe: min(records, key=lambda r: (r.spread, r.line()))
+            for (name, recipe), records in self.by_cpu.get(cpu, {}).items()
+            if name == contest and "flags=" not in recipe
+        }
+        return dict(sorted(found.items(), key=lambda each: (each[1].ratio, each[0])))
+
+    def nearest(self, cpu: str, contest: str) -> str:
+        """The contest itself, else one of another scene or contact model; empty: there is none.
+
+        The same recipe makes nearly the same loop for each of them.
+        """
+        there = self.contests(cpu)
+        if contest in there:
+            return contest
+        scene, model, *question = contest.split("/")
+        level = find_scene(scene).level
+        others = [
+            (other_model == model, len(self.contest(cpu, name)), name)
+            for name in there
+            for other_scene, other_model, *other in [name.split("/")]
+            if other == question and find_scene(other_scene).level == level
+        ]
+        return max(others)[2] if others else ""
+
+    def find(self, cpu: str, variant: Variant, batch: bool, now: Basis) -> Found | None:
+        """The record of today's code if there is one, else of earlier code; then the narrowest.
+
+        Of the nearest contest, where the kernel's own was not timed on that CPU at all.
+        """
+        own, recipe = key_of_kernel(variant, batch)
+        contest = self.nearest(cpu, own)
+        records = self.by_cpu.get(cpu, {}).get((contest, recipe), ())
+        other = contest if contest != own else ""
+        found = [Found(r, () if other else r.basis.changed(now), other) for r in records]
+        return min(found, key=_telling, default=None)
+
+    def fastest(self, contest: str, target: str, most: int) -> list[Variant]:
+        """Kernels of a target's fastest recipes, for any scene or contact model of the contest."""
+        found = self.contest(target, self.nearest(target, contest))
+        return [variant_of_recipe(f"{target}/{contest}", recipe) for recipe in list(found)[:most]]
 
     def winners(self, cpu: str, contest: str) -> list[str]:
-        """Recipes within 2 % of the fastest of a contest that may be chosen, the fastest first."""
-        found = self.contest(cpu, contest)
-        ratios = {r: record.ratio for r, record in found.items() if "flags=" not in r}
-        least = min(ratios.values(), default=0.0)
-        return sorted((r for r in ratios if ratios[r] <= WON * least), key=lambda r: ratios[r])
+        """Recipes within 2 % of the fastest, the fastest first."""
+        ratios = {recipe: record.ratio for recipe, record in self.contest(cpu, contest).items()}
+        return [r for r, ratio in ratios.items() if ratio <= WON * min(ratios.values())]
+
+    def wins(self, variant: Variant, batch: bool) -> int:
+        """On how many CPUs a kernel's recipe has won."""
+        contest, recipe = key_of_kernel(variant, batch)
+        return sum(recipe in self.winners(cpu, self.nearest(cpu, contest)) for cpu in self.by_cpu)
 
 
 def _telling(found: Found) -> tuple[bool, float, str]:
@@ -102,9 +135,24 @@ def timings_of(records: Iterable[TimingRecord], damaged: Sequence[str] = ()) -> 
     return Timings(by_cpu, tuple(lost))
 
 
+def told(found: Sequence[Found], modelled: int = 0) -> str:
+    """What a choice by records rests on: the CPU, when, how many, and how many of earlier code."""
+    days = sorted({each.record.day for each in found})
+    span = days[0] if len(days) == 1 else f"{days[0]} to {days[-1]}"
+    text = f"timed on {found[0].record.cpu.text}, {span}, {len(found)} records"
+    earlier = [each for each in found if each.changed]
+    changes = {change: None for each in earlier for change in each.changed}
+    if other := found[0].contest:
+        text += f" of {other}, as none of these kernels"
+    elif earlier:
+        text += f", {len(earlier)} of them of earlier code ({', '.join(changes)})"
+    return f"{text}; {modelled} more modelled by llvm-mca" if modelled else text
+
+
 def read_timings(root: Path, say: Callable[[str], None] = lambda line: None) -> Timings:
     """All of `timings/`; each line that does not read is said and skipped."""
-    records, damaged = [], []
+    records: list[TimingRecord] = []
+    damaged: list[str] = []
     for path in sorted((root / FOLDER).glob(f"*{SUFFIX}")):
         if path.stem not in targets():
             raise InputError(

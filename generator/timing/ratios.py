@@ -57,6 +57,7 @@ class TimingRun:
     cpu: int  # the CPU that the thread was kept on, or -1
     core_ghz: float = 0.0  # the core's clock after it; 0: not known
     quiet: float = 1.0  # share of rounds that count with the core alone: 1 where eight had it
+    day: str = "an earlier day"  # UTC, where it was noted
 
 
 def median_interval(values: Array, confidence: float = CONFIDENCE) -> Interval:
@@ -115,6 +116,7 @@ def timing_run(document: dict[str, Any]) -> TimingRun:
             cpu=document["cpu"],
             core_ghz=document.get("core_ghz", 0.0),
             quiet=float(quiet[counting].mean()),
+            day=document.get("day", TimingRun.day),
         )
     except (KeyError, IndexError, TypeError) as error:
         raise KernelError(f"the timing's result is not complete: {error}") from None

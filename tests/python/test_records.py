@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import platform
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from generator.choice.candidates import batch_candidates, exact_candidates, fixed_step_candidates
-from generator.records.evidence import key_of_kernel, read_timings
+from generator.choice.choose import MODEL_ERROR, choose_by_model, choose_by_records, selected
+from generator.choice.selection import Selection
+from generator.choice.workbench import Candidate
+from generator.records.evidence import Found, key_of_kernel, read_timings, timings_of, told
 from generator.records.files import read_records, timings_path, union, write_records
 from generator.records.recipe import contest_of, recipe_of, variant_of_recipe
+from generator.targets.host import read_host
 from generator.targets.target import find_target
-from generator.variants.variant import Variant
+from generator.toolchain.replay import Modelled
+from generator.variants.variant import Stepper, Variant, make_variant
+from generator.verification.verdict import Verdict
 
 ROOT = Path(__file__).parents[2]
 CODES = ("gcc", "clang", "clangold")
@@ -84,3 +92,129 @@ def test_a_damaged_line_is_named_with_what_is_wrong_and_the_rest_is_used(tmp_pat
     short, negative = file.damaged
     assert short.startswith(f"{path}:2: ") and "JSON" in short
     assert negative.startswith(f"{path}:4: ratio: ") and "greater than 0" in negative
+
+
+ZEN3 = find_target("zen3")
+PASSED = Verdict(True, "", 1e-9, 1e-9, 10)
+
+
+def candidate(
+    rsqrt: str, ratio: float | None = None, cycles: float | None = None, changed: str = ""
+) -> Candidate:
+    stepper = Stepper("euler", steps=1000)
+    variant = make_variant("zen3", "any", "pooltool", stepper, fma="fma", rsqrt=rsqrt)
+    made = Candidate(variant, None, None, (), verdict=PASSED)  # type: ignore[arg-type]
+    if ratio is not None:
+        record = BASE.model_copy(update={"ratio": ratio})
+        made.recorded = Found(record, (changed,) if changed else ())
+    if cycles is not None:
+        made.modelled = Modelled("znver3", cycles, 1.0, 32, 100, "19")
+    return made
+
+
+BASE = read_records(timings_path(ROOT, "zen3")).records[0]
+
+
+def test_records_compete_among_themselves_and_the_model_cannot_displace_their_winner() -> None:
+    timed = [candidate("inv", 0.6, 900.0), candidate("prev", 0.34, 1000.0)]
+    near = candidate("est1", cycles=1000.0 / MODEL_ERROR * 1.01)
+    choice = choose_by_records([*timed, near], ZEN3)
+    assert (choice.chosen, choice.by) == (timed[1], "records")
+    assert choice.evidence.endswith("; 1 more modelled by llvm-mca")
+    print(choice.evidence)
+
+
+def test_what_nobody_timed_is_chosen_where_the_model_puts_it_beyond_its_error() -> None:
+    timed = candidate("prev", 0.34, 1000.0)
+    far = candidate("est1", cycles=1000.0 / MODEL_ERROR * 0.99)
+    choice = choose_by_records([timed, far], ZEN3)
+    assert (choice.chosen, choice.by, choice.measured_on) == (far, "llvm-mca", "znver3")
+
+
+def test_records_of_earlier_code_are_used_and_counted_with_what_changed() -> None:
+    some = [candidate("inv", 0.6, changed="kernel text"), candidate("prev", 0.34)]
+    choice = choose_by_records(some, ZEN3)
+    print(choice.evidence)
+    assert choice.evidence == (
+        f"timed on AMD EPYC 7003 (zen3), {BASE.day}, 2 records, "
+        "1 of them of earlier code (kernel text)"
+    )
+    entry = selected(choice, some[0])
+    assert (entry.chosen_by, entry.evidence) == ("records", choice.evidence)
+    assert entry.ratio_to_baseline == 0.34
+
+
+def test_a_record_of_the_code_as_it_is_goes_before_one_of_earlier_code() -> None:
+    variant = variant_of_recipe(BASE.contest, BASE.recipe)
+    narrow = BASE.model_copy(update={"ratio_ci": (BASE.ratio, BASE.ratio)})
+    now = BASE.basis.model_copy(update={"source": "0" * 16, "compiler": "another"})
+    own = BASE.model_copy(update={"basis": now})
+    batch = BASE.contest.endswith("batch")
+    earlier = timings_of([narrow]).find("zen3", variant, batch, now)
+    assert earlier is not None and earlier.changed == ("kernel text", "compiler")
+    current = timings_of([narrow, own]).find("zen3", variant, batch, now)
+    assert current is not None and (current.record, current.changed) == (own, ())
+    assert timings_of([narrow]).find("zen4", variant, batch, now) is None
+
+
+def test_where_a_contact_model_was_not_timed_the_same_recipes_of_another_tell_more() -> None:
+    timings = read_timings(ROOT)
+    pooltool = timings.fastest("any/pooltool/n1000/scalar", "zen3", 1)[0]
+    other = replace(pooltool, model="bottom_slip")
+    found = timings.find("zen3", other, False, BASE.basis)
+    if found is not None and found.contest:  # until a Zen 3 has timed it
+        assert told([found]).endswith(f"1 records of {found.contest}, as none of these kernels")
+    assert timings.nearest("zen3", "any/pooltool/n999/scalar") == ""
+    assert timings.nearest("zen3", "stun/pooltool/e1m06/scalar") == "", "a closed form is another"
+
+
+def test_of_what_the_model_cannot_tell_apart_the_recipe_that_won_on_more_cpus_is_chosen() -> None:
+    some = [candidate("inv", cycles=1000.0), candidate("prev", cycles=1000.5)]
+    assert choose_by_model(some, "znver3").chosen is some[0]
+    wins = {"inv": 0, "prev": 2}
+    assert choose_by_model(some, "znver3", lambda v: wins[v["rsqrt"]]).chosen is some[1]
+
+
+def cpuinfo(family: int, model: int, *flags: str) -> str:
+    named = "avx avx2 fma f16c bmi1 bmi2 abm movbe sse2 pni ssse3 sse4_1 sse4_2 popcnt"
+    return (
+        f"vendor_id\t: AuthenticAMD\ncpu family\t: {family}\nmodel\t\t: {model}\n"
+        f"model name\t: AMD EPYC\nflags\t\t: {' '.join((named, *flags))}\n"
+    )
+
+
+AVX512 = ("avx512f", "avx512vl", "avx512dq", "avx512bw", "avx512cd")
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="/proc/cpuinfo of x86")
+@pytest.mark.parametrize(
+    ("text", "target", "exact"),
+    [
+        (cpuinfo(25, 1), "zen3", True),
+        (cpuinfo(25, 17, *AVX512), "zen4", True),
+        (cpuinfo(25, 17), "x86-64-v3", False),  # a Zen 4 whose AVX-512 a hypervisor hides
+        (cpuinfo(23, 1), "x86-64-v3", False),  # a Zen 1
+        (cpuinfo(23, 49), "zen2", True),
+    ],
+)
+def test_a_host_is_a_named_cpu_only_where_cpuid_says_so(
+    text: str, target: str, exact: bool
+) -> None:
+    host = read_host(text)
+    assert (host.target.name, host.exact) == (target, exact)
+    assert host.is_a(find_target(target)) == exact
+    assert (host.vendor, host.family) == ("AuthenticAMD", int(text.split("family\t: ")[1][:2]))
+
+
+def test_a_batch_kernel_of_another_width_takes_the_place_of_the_one_before() -> None:
+    stepper = Stepper("dp54", budget=1e-6)
+    x8, x4 = (make_variant("zen3", "any", "mathavan2014", stepper, w) for w in (8, 4))
+    entries = []
+    for variant in (x8, x4):
+        made = candidate("inv", 0.1)
+        made.variant = variant
+        choice = choose_by_records([made], ZEN3)
+        entries.append(selected(choice, made))
+    empty = Selection(target="zen3", resolved="zen3", scene="any", kernels=[])
+    both = empty.with_entries(entries[:1]).with_entries(entries[1:])
+    assert [entry.width for entry in both.kernels] == [4]
