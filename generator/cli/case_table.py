@@ -16,6 +16,8 @@ from generator.scenes.scene import LIMITS
 from generator.verification.errors import Array
 from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
 
+_OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
+
 
 @dataclass(frozen=True)
 class CaseTable:
@@ -44,6 +46,28 @@ def _number(text: str | None, path: Path, line: int, name: str) -> float:
     return value
 
 
+def _require_columns(header: list[str], path: Path) -> None:
+    """Raise InputError where the first row does not name every column once."""
+    wanted = ("id", *CASE_NAMES)
+    if not any(header):
+        raise InputError(f"{path}: row 1: is empty; expected id,{','.join(CASE_NAMES)}")
+    for mark, name in _OTHER_SEPARATORS.items():
+        words = {word.strip(' "') for word in ",".join(header).split(mark)}
+        if not words.isdisjoint(CASE_NAMES) and set(header).isdisjoint(CASE_NAMES):
+            raise InputError(
+                f"{path}: row 1: its columns are separated by {name}; expected commas, and a point "
+                "in numbers, as 0.05"
+            )
+    missing = [name for name in wanted if name not in header]
+    if missing:
+        raise InputError(
+            f"{path}: row 1: no column {missing[0]}; expected id,{','.join(CASE_NAMES)}"
+        )
+    twice = [name for name in wanted if header.count(name) > 1]
+    if twice:
+        raise InputError(f"{path}: row 1: column {twice[0]} twice; expected it once")
+
+
 def read_case_table(path: Path) -> CaseTable:
     """Cases by header name, extra columns ignored. InputError names file, row and column."""
     try:
@@ -52,24 +76,20 @@ def read_case_table(path: Path) -> CaseTable:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file in UTF-8; expected CSV") from None
-    reader = csv.DictReader(io.StringIO(text, newline=""))
-    header = reader.fieldnames or []
-    missing = [name for name in ("id", *CASE_NAMES) if name not in header]
-    if missing:
-        raise InputError(
-            f"{path}: row 1: no column {missing[0]}; expected id,{','.join(CASE_NAMES)}"
-        )
-    twice = [name for name in ("id", *CASE_NAMES) if header.count(name) > 1]
-    if twice:
-        raise InputError(f"{path}: row 1: column {twice[0]} twice; expected it once")
+    reader = csv.DictReader(io.StringIO(text, newline=""), skipinitialspace=True)
     ids, rows = [], []
     try:
+        header = [name.strip() for name in reader.fieldnames or []]
+        _require_columns(header, path)
+        reader.fieldnames = header
         for record in reader:
             if None in record:
                 raise InputError(
                     f"{path}: row {reader.line_num}: more values than the {len(header)} columns of "
-                    "row 1; expected one a column"
+                    "row 1; expected one a column, and a point in numbers, as 0.05"
                 )
+            if not any((value or "").strip() for value in record.values()):
+                continue  # a blank line, or one of commas alone
             ids.append(record["id"])
             rows.append([_number(record[n], path, reader.line_num, n) for n in CASE_NAMES])
     except csv.Error as error:

@@ -13,7 +13,7 @@ import re
 import shutil
 import signal
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +25,7 @@ from generator.errors import KernelCrash, KernelError
 from generator.places import sources
 from generator.timing.plan import Array, TimingPlan
 from generator.timing.ratios import TimingRun, timing_run
-from generator.toolchain.process import run
+from generator.toolchain.process import require_space, run, run_checked
 
 ROOT = sources()
 BUILD_TIMEOUT = 600.0  # seconds
@@ -78,6 +78,7 @@ class BenchTool:
         """What the command prints."""
         words = [str(self.executable), command, *map(str, arguments)]
         done = run(words, timeout)
+        require_space(done, Path(tempfile.gettempdir()))
         if done.code != 0:
             message = done.first_error if done.errors or done.output else ""
             kind = KernelCrash if done.code < 0 else KernelError
@@ -205,20 +206,18 @@ def _locked(path: Path) -> Iterator[None]:
         yield
 
 
-def _checked(command: Sequence[str], what: str) -> None:
-    done = run(command, BUILD_TIMEOUT)
-    if done.code != 0:
-        raise KernelError(f"{what} carom_bench: {done.first_error}")
-
-
 def _build(root: Path, folder: Path) -> Path:
     if shutil.which("cmake") is None or shutil.which("ninja") is None:
         raise KernelError(
             "building carom_bench: no cmake or ninja: apt-get install cmake ninja-build"
         )
     options = ("-DCAROM_BUILD_TESTS=OFF", "-DCMAKE_BUILD_TYPE=Release")
-    _checked(["cmake", "-S", str(root), "-B", str(folder), "-G", "Ninja", *options], "configuring")
-    _checked(["ninja", "-C", str(folder), "carom_bench"], "building")
+    configure = ["cmake", "-S", str(root), "-B", str(folder), "-G", "Ninja", *options]
+    log = folder.with_suffix(".failed.log")
+    run_checked(configure, BUILD_TIMEOUT, "configuring carom_bench", log)
+    run_checked(
+        ["ninja", "-C", str(folder), "carom_bench"], BUILD_TIMEOUT, "building carom_bench", log
+    )
     return folder / "bench" / "carom_bench"
 
 

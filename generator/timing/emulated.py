@@ -15,7 +15,7 @@ from generator.targets.target import Target
 from generator.timing.bench_tool import OUTCOME_COLUMNS, source_hash
 from generator.timing.plan import Array
 from generator.toolchain.compilers import compilers_for, emulator_for
-from generator.toolchain.process import run
+from generator.toolchain.process import run, run_checked
 
 PROGRAM = "tests/cpp/run_rows.cpp"
 WITH = ("bench/run.cpp", "bench/batch.cpp", "bench/case_rows.cpp", "bench/kernel_library.cpp")
@@ -69,8 +69,7 @@ def emulated_runner(target: Target, cache: Path) -> EmulatedRunner:
             made = Path(folder, program.name)
             files = [str(root / name) for name in (PROGRAM, *WITH)]
             options = ["-std=c++17", "-O2", f"-I{root / 'bench'}", *files, "-ldl", "-o", str(made)]
-            done = run([gcc.path, *options], BUILD_TIMEOUT)
-            if done.code != 0:
-                raise KernelError(f"building {PROGRAM} for {arch}: {done.first_error}")
+            log = program.with_name(f"{program.name}.failed.log")
+            run_checked([gcc.path, *options], BUILD_TIMEOUT, f"building {PROGRAM} for {arch}", log)
             made.replace(program)
     return EmulatedRunner(program, emulator)

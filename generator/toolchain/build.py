@@ -16,7 +16,7 @@ from pathlib import Path
 from generator.errors import KernelError
 from generator.toolchain.compilers import Compiler
 from generator.toolchain.flags import LINK_FLAGS
-from generator.toolchain.process import run
+from generator.toolchain.process import require_space, run
 
 TIMEOUT = 120.0  # seconds for one source file
 _FIXED = ("-fPIC", "-fvisibility=default")
@@ -79,7 +79,8 @@ def _run_logged(command: Sequence[str], folder: Path, log: list[str]) -> str | N
     except KernelError as error:
         log.append(str(error))
         return str(error)
-    log += [text for text in (done.output.strip(), done.errors.strip()) if text]
+    log.append(done.log)
+    require_space(done, folder.parent.parent)
     return None if done.code == 0 else done.first_error
 
 

@@ -11,7 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.errors import KernelError, KernelTimeout
+from generator.errors import InputError, KernelError, KernelTimeout
+from generator.files import write_file
+from generator.toolchain.reasons import reason_in
+
+_FULL = "No space left on device"
 
 
 @dataclass(frozen=True)
@@ -24,11 +28,12 @@ class Finished:
 
     @property
     def first_error(self) -> str:
-        """The first line that reports an error, or the first line there is."""
-        lines = [line.strip() for line in (self.errors or self.output).splitlines() if line.strip()]
-        if not lines:
-            return f"no message, exit status {self.code}"
-        return next((line for line in lines if "error" in line.lower()), lines[0])
+        """The first reason that is given, as one line."""
+        return reason_in(self.errors) or reason_in(self.output) or f"exit status {self.code}"
+
+    @property
+    def log(self) -> str:
+        return "\n".join(text for text in (self.output.strip(), self.errors.strip()) if text)
 
 
 def run(
@@ -63,6 +68,25 @@ def run(
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
     return Finished(process.returncode, output, errors)
+
+
+def require_space(done: Finished, where: Path) -> None:
+    """Raise InputError where a program failed because a disk is full."""
+    if done.code != 0 and _FULL in done.errors + done.output:
+        raise InputError(
+            f"{where}: {done.first_error}; free some space, or name other folders with CAROM_CACHE "
+            "and TMPDIR"
+        )
+
+
+def run_checked(command: Sequence[str], timeout: float, what: str, log: Path) -> None:
+    """As `run`; where it fails, KernelError gives the first reason and the log that has all."""
+    done = run(command, timeout)
+    if done.code == 0:
+        return
+    require_space(done, log.parent)
+    write_file(log, f"$ {' '.join(command)}\n{done.log}\n", parents=True)
+    raise KernelError(f"{what}: {done.first_error} (log: {log})")
 
 
 def _limit_cpu_time(pid: int, timeout: float) -> None:
