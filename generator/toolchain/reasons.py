@@ -11,8 +11,8 @@ _RAISED = "Traceback (most recent call last):"
 # What a linker or the system says in lines without the word; a summary comes after it.
 _CAUSE = re.compile(
     r"(?i:\berror:)|undefined reference to|multiple definition of|cannot find -l"
-    r"|No space left on device|[Cc]annot allocate memory|virtual memory exhausted|[Pp]ermission denied|command not found"
-    r"|Read-only file system|^E: |connection broken"
+    r"|No space left on device|[Cc]annot allocate memory|virtual memory exhausted"
+    r"|[Pp]ermission denied|command not found|Read-only file system|^E: |connection broken"
 )
 _SUMMARY = re.compile(
     r"collect2: error|linker command failed|ninja: |\bmake(\[\d+\])?: \*\*\*|subprocess-exited"
