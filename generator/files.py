@@ -19,8 +19,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from generator.errors import InputError
+from generator.places import CACHE_CURE
 
 _MOST_LINKS = 40  # as Linux follows
+_SOME = 2**20  # bytes; a disk that has no room for them is full
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,44 @@ def write_file(path: Path, data: str | bytes, parents: bool = False) -> None:
             _write_through(found, raw)
     except OSError as error:
         raise _unwritable(path, error) from None
+
+
+def require_cache(folder: Path) -> None:
+    """Raise InputError where programs cannot be kept in the cache and run from it."""
+    probe = folder / f".carom-{secrets.token_hex(8)}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            probe.write_bytes(bytes(_SOME))
+            probe.chmod(0o700)
+            runs = os.access(probe, os.X_OK)
+        finally:
+            probe.unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(f"cache {folder}: {error.strerror or error}; {CACHE_CURE}") from None
+    if not runs:
+        raise InputError(
+            f"cache {folder}: no program can be run there (mounted noexec?); {CACHE_CURE}"
+        )
+
+
+def require_temporary() -> None:
+    """Raise InputError where TMPDIR names no place for the files that compilers leave between."""
+    named = os.environ.get("TMPDIR")
+    if named and not os.access(named, os.W_OK | os.X_OK):
+        reason = "cannot be written" if os.path.exists(named) else "there is no such folder"
+        raise InputError(f"TMPDIR={named}: {reason}; name one that can be written, or unset it")
+
+
+def line_of(error: OSError) -> str:
+    """An error of the system that nobody expected, as one line with its place and a cure."""
+    name = f"{os.fsdecode(error.filename)}: " if isinstance(error.filename, str | bytes) else ""
+    cure = ""
+    if error.errno in (errno.ENOSPC, errno.EDQUOT):
+        cure = "; free some space, or name other folders with CAROM_CACHE and TMPDIR"
+    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+        cure = f"; where that is a cache, {CACHE_CURE}"
+    return f"{name}{error.strerror or error}{cure}"
 
 
 def _write_through(found: _Destination, raw: bytes) -> None:

@@ -70,6 +70,31 @@ carom_look() {
   fi
 }
 
+# What pip may take from the user's variables and configuration: where packages come from. Anything
+# else (as user, target, require-hashes) would put them elsewhere or keep them away.
+carom_is_network() { # NAME, as in pip's configuration
+  case $1 in
+    index-url | extra-index-url | find-links | no-index | proxy | cert | client-cert | \
+      trusted-host | timeout | retries | cache-dir | no-cache-dir) return 0 ;;
+  esac
+  return 1
+}
+
+carom_pip() { # ARGS...
+  ( # what is exported here is pip's alone
+    python=$root/.venv/bin/python
+    while IFS== read -r key value; do
+      name=${key##*.}
+      if [[ $key != :env:* ]] && carom_is_network "$name"; then
+        value=${value:1:-1} name=${name//-/_}
+        name=PIP_${name^^}
+        export "$name=${!name-${value//\\n/ }}"
+      fi
+    done < <("$python" -m pip config list 2>/dev/null)
+    PIP_CONFIG_FILE=/dev/null exec "$python" -m pip --require-virtualenv "$@"
+  )
+}
+
 carom_apt() {
   local log=$1 package known=()
   shift
@@ -98,11 +123,15 @@ carom_system() {
   carom_look "$python"
   if ((${#carom_missing[@]} == 0)) || carom_known_missing; then return; fi
   if [[ $EUID -eq 0 ]] && command -v apt-get >/dev/null; then
-    log=$(mktemp -t carom-apt.XXXXXX)
+    log=$(mktemp -t carom-apt.XXXXXX) || carom_fail "no temporary file can be made; set TMPDIR"
     carom_apt "$log" "${carom_missing[@]}"
     hash -r
     carom_look "$python"
-    if ((${#carom_missing[@]} == 0)); then rm -f "$log"; else carom_say "apt-get's log is $log"; fi
+    if ((${#carom_missing[@]} == 0)); then
+      rm -f "$log"
+    else
+      carom_say "apt-get: $(grep -m1 '^E: ' "$log" || tail -n1 "$log") (log: $log)"
+    fi
   fi
   if ((${#carom_hard[@]})); then
     carom_fail "missing: ${carom_hard[*]}; as root: apt-get update && apt-get install ${carom_missing[*]}"
@@ -134,8 +163,30 @@ carom_look_venv() {
   fi
 }
 
+# The first reason in pip's log: what broke a connection, or an error that says more than "failed".
+carom_reason() {
+  [[ -s $1 ]] || { echo "it said nothing (is the disk full?)" && return; }
+  grep -v 'subprocess-exited-with-error' "$1" | grep -m1 -iE 'error|no space left' || tail -n1 "$1"
+}
+
+carom_owner() { stat -c %U -- "$1" 2>/dev/null || echo "another user"; }
+
+# Ends where .venv is to be made or mended and cannot be.
+carom_may_write() {
+  local what=$root/.venv me
+  me=$(id -un 2>/dev/null || id -u)
+  if [[ -e $what && ! -w $what ]]; then
+    carom_fail "$what is out of date or cannot be read, and $me cannot write to it; let its owner" \
+      "($(carom_owner "$what")) run ./gen list targets, or remove it"
+  elif [[ ! -e $what && ! -w $root ]]; then
+    carom_fail "$root is not set up, and $me cannot write to it; let its owner ($(carom_owner "$root"))" \
+      "run ./gen list targets once, or clone it to a folder of your own"
+  fi
+}
+
 carom_venv() {
   local venv=$root/.venv log reason
+  carom_may_write
   if [[ $carom_state == unusable ]] || ! "$venv/bin/python" -m pip --version >/dev/null 2>&1; then
     # To clear a link would empty the folder behind it, which another clone uses.
     if [[ -L $venv ]]; then
@@ -143,14 +194,15 @@ carom_venv() {
     fi
     carom_find_python || carom_fail "missing: Python 3.11 or later with its venv module (python3-venv)"
     carom_say "making .venv with $carom_python"
-    "$carom_python" -m venv --clear "$venv" >&2 || carom_fail "cannot make $venv with $carom_python"
+    if ! reason=$("$carom_python" -m venv --clear "$venv" 2>&1); then
+      carom_fail "cannot make $venv with $carom_python: $(tail -n1 <<<"$reason")"
+    fi
   fi
   carom_say "installing the pinned Python packages into .venv (about half a minute)"
   log=$venv/carom-pip.log
-  if ! "$venv/bin/python" -m pip --require-virtualenv install --quiet --no-input \
-    --disable-pip-version-check -r "$root/requirements.lock" >"$log" 2>&1; then
-    reason=$(grep -m1 -i error "$log" || tail -n1 "$log")
-    carom_fail "pip could not install requirements.lock: $reason (log: $log)"
+  if ! carom_pip install --quiet --no-input --disable-pip-version-check \
+    -r "$root/requirements.lock" >"$log" 2>&1; then
+    carom_fail "pip could not install requirements.lock: $(carom_reason "$log") (log: $log)"
   fi
   carom_want >"$venv/carom-stamp"
 }
@@ -161,8 +213,22 @@ carom_known_missing() {
     [[ $(<"$root/.venv/carom-missing") == "${carom_missing[*]}" ]]
 }
 
+# Ends where this place or the caller's variables would break what comes later.
+carom_require_place() {
+  [[ -e $root/requirements.lock ]] || carom_fail "$root/requirements.lock is missing: not a whole clone?"
+  [[ -r $root/requirements.lock ]] || carom_fail "$root/requirements.lock cannot be read by $(id -un)"
+  if [[ $root == *[:$'\n']* ]]; then
+    carom_fail "$root has a colon or a line's end in its name, which PYTHONPATH and CMake cannot" \
+      "take; move the clone to another folder"
+  fi
+  if [[ -n ${TMPDIR-} && ! ( -d $TMPDIR && -w $TMPDIR ) ]]; then
+    carom_fail "TMPDIR=$TMPDIR: no folder that can be written; name one that can, or unset it"
+  fi
+}
+
 carom_setup() {
-  [[ -r $root/requirements.lock ]] || carom_fail "$root/requirements.lock is missing: not a whole clone?"
+  carom_environment
+  carom_require_place
   carom_look_venv
   carom_look have-python
   if [[ $carom_state == current ]] && { ((${#carom_missing[@]} == 0)) || carom_known_missing; }; then
@@ -179,12 +245,19 @@ carom_setup() {
   if [[ $carom_state == unusable ]]; then carom_system need-python; else carom_system have-python; fi
   if [[ $carom_state != current ]]; then carom_venv; fi
   carom_look have-python
-  printf '%s\n' "${carom_missing[*]}" >"$root/.venv/carom-missing"
+  if [[ -w $root/.venv ]]; then # else it belongs to another user: packages are looked for each time
+    printf '%s\n' "${carom_missing[*]}" >"$root/.venv/carom-missing"
+  fi
   exec 9<&-
 }
 
 # The same Python for all: its own packages and this clone, nothing of the caller's.
 carom_environment() {
+  local name option
   export PYTHONPATH=$root
-  unset PYTHONHOME PYTHONSTARTUP
+  unset PYTHONHOME PYTHONSTARTUP PYTHONINSPECT PYTHONUSERBASE PYTHONPLATLIBDIR
+  for name in "${!PIP_@}"; do
+    option=${name#PIP_} option=${option//_/-}
+    if [[ $name != PIP_CONFIG_FILE ]] && ! carom_is_network "${option,,}"; then unset "$name"; fi
+  done
 }

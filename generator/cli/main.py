@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import sys
+from contextlib import suppress
 from pathlib import Path
+from typing import TextIO
 
 import click
 
 from generator import __version__
 from generator.errors import InputError, KernelError
+from generator.files import line_of
+
+_REINSTALL = "install carom anew (in a clone: remove .venv), on a disk that programs run from"
 
 
 class OneLineGroup(click.Group):
@@ -18,6 +24,7 @@ class OneLineGroup(click.Group):
         kwargs["standalone_mode"] = False
         try:
             result = super().main(*args, **kwargs)
+            sys.stdout.flush()
         except click.exceptions.Exit as stop:
             sys.exit(stop.exit_code)
         except click.Abort:
@@ -28,6 +35,10 @@ class OneLineGroup(click.Group):
             _end(str(error), 2)
         except KernelError as error:
             _end(str(error), 1)
+        except OSError as error:
+            _end(line_of(error), 2)
+        except ImportError as error:
+            _end(f"a Python package cannot be loaded: {error}; {_REINSTALL}", 2)
         except KeyboardInterrupt:
             sys.exit(130)
         sys.exit(result if isinstance(result, int) else 0)
@@ -35,7 +46,17 @@ class OneLineGroup(click.Group):
 
 def _end(message: str, status: int) -> None:
     click.echo("gen: " + " ".join(message.split()), err=True)
+    with suppress(OSError, ValueError):
+        _drop_what_cannot_be_written(sys.stdout)
     sys.exit(status)
+
+
+def _drop_what_cannot_be_written(stream: TextIO) -> None:
+    """What is left of a stream that is full would be an error again when Python ends."""
+    try:
+        stream.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 @click.group(cls=OneLineGroup, invoke_without_command=True)
@@ -119,4 +140,6 @@ _register()
 
 def main() -> None:
     """Entry point of the `gen` script."""
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # any path's name
     gen(prog_name="gen")

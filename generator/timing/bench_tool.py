@@ -22,6 +22,7 @@ from typing import Any, Literal
 import numpy as np
 
 from generator.errors import KernelCrash, KernelError
+from generator.files import require_cache, require_temporary
 from generator.places import sources
 from generator.timing.plan import Array, TimingPlan
 from generator.timing.ratios import TimingRun, timing_run
@@ -224,9 +225,11 @@ def _build(root: Path, folder: Path) -> Path:
 def build_bench_tool(cache: Path, root: Path = ROOT) -> BenchTool:
     """carom_bench for the sources as they are, taken from the cache if it is there.
 
-    Raises KernelError with the first error of CMake or of the compiler.
+    Raises KernelError with the first error of CMake or of the compiler, InputError where the cache
+    is no place for programs.
     """
-    cache.mkdir(parents=True, exist_ok=True)
+    require_temporary()
+    require_cache(cache)
     kept = cache / f"carom_bench-{source_hash(root)}"
     with _locked(cache / "carom_bench.lock"):
         if not kept.exists():
