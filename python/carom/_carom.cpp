@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <set>
@@ -152,23 +153,22 @@ class Kernel {
   }
 
  private:
-  // Those of the result arrays that the caller did not give, in one block.
+  // Those of the result arrays that the caller did not give, a block each: one may outlive the
+  // other.
   void make_missing(std::size_t n, std::optional<ColumnsOut>& out,
                     std::optional<Statuses>& status) const {
-    if (out && status) return;
-    const std::size_t columns = out ? 0 : 12 * n * sizeof(double);
-    auto lent = std::make_unique<carom::Lent>(spare_, columns + n);
-    carom::Block& block = lent->block();
+    if (!out) out = nb::cast<ColumnsOut>(made<double>(spare_columns_, {12, n}, 12 * n));
+    if (!status) status = nb::cast<Statuses>(made<unsigned char>(spare_statuses_, {n}, n));
+  }
+
+  template <class Value>
+  static nb::object made(const std::shared_ptr<carom::Spare>& spare,
+                         std::initializer_list<std::size_t> shape, std::size_t count) {
+    auto lent = std::make_unique<carom::Lent>(spare, count * sizeof(Value));
+    void* const start = lent->block().start();
     const nb::capsule owner(lent.release(),
                             [](void* p) noexcept { delete static_cast<carom::Lent*>(p); });
-    if (!out) {
-      const nb::ndarray<nb::numpy, double> made(block.at(0), {12, n}, owner);
-      out = nb::cast<ColumnsOut>(nb::cast(made));
-    }
-    if (!status) {
-      const nb::ndarray<nb::numpy, unsigned char> made(block.at(columns), {n}, owner);
-      status = nb::cast<Statuses>(nb::cast(made));
-    }
+    return nb::cast(nb::ndarray<nb::numpy, Value>(start, shape, owner));
   }
 
   // Columns that are contiguous are used where they lie; others are gathered block by block.
@@ -222,7 +222,8 @@ class Kernel {
 
   const Row& row_;
   int steps_;
-  std::shared_ptr<carom::Spare> spare_ = std::make_shared<carom::Spare>();
+  std::shared_ptr<carom::Spare> spare_columns_ = std::make_shared<carom::Spare>();
+  std::shared_ptr<carom::Spare> spare_statuses_ = std::make_shared<carom::Spare>();
   nb::object empty_;
   nb::tuple shape_ = nb::make_tuple(3, 3);
 };
@@ -282,5 +283,6 @@ NB_MODULE(_carom, m) {
           "status may be given. The interpreter lock is released meanwhile. Batches go in lanes\n"
           "(other numbers of steps than 1000: call by call): as exact as collide, though rounded\n"
           "otherwise; what a collision gives depends on itself alone, to the last bit. The kernel\n"
-          "keeps the memory of the results that were dropped last for those of the next batch.");
+          "keeps the memory of the results that were dropped last for those of the next batch, as\n"
+          "long as it lives itself; a result holds its own size alone.");
 }

@@ -157,6 +157,17 @@ def test_batches_are_the_same_in_any_layout(goal) -> None:
     assert np.array_equal(part, out[:, 100:400], equal_nan=True)
 
 
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc to measure by")
+def test_results_hold_no_more_than_their_own_size() -> None:
+    """Also those of a kernel that is gone, and a kernel no more than its last result."""
+    text = run([sys.executable, Path(__file__).with_name("result_memory.py"), site()])
+    print(text)
+    held = {line.split(": ")[0]: float(line.split()[-2]) for line in text.splitlines()}
+    assert len(held) == 6
+    large = held.pop("58 MB after 97 MB, kernel gone")
+    assert large < 58.2 + 8 and max(held.values()) < 8, held
+
+
 def test_memory_of_results_is_given_out_again_only_when_they_are_dropped() -> None:
     kernel, (parameters, balls) = carom().Kernel(), million_like(50_000)
     first, marks = kernel.collide_batch(parameters, balls)
