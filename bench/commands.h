@@ -24,10 +24,11 @@ void make_cases(const MakeCases& options);
 /// Computes what must come out, by the oracles.
 struct Expect {
   std::string cases, out;
-  std::string method = "exact";  ///< or "euler", in long double
+  /// "exact" or "euler", in long double; "screen": exact in double, a sixth of the time
+  std::string method = "exact";
   std::string model = "mathavan2014";
   long steps = 1000;      ///< of euler
-  double mass_ratio = 1;  ///< ball 1 to ball 2, whose mass is the case's; of exact
+  double mass_ratio = 1;  ///< ball 1 to ball 2, whose mass is the case's; not of euler
   unsigned threads = 0;   ///< 0: one a core
 };
 void expect(const Expect& options);

@@ -34,11 +34,22 @@ ExpectedRow expected_row(const Outcome& outcome, double mark) {
   return row;
 }
 
+template <class Real>
 ExpectedRow solve_exactly(const CaseRow& row, carom_oracle::Model model, double mass_ratio) {
   carom_oracle::Params params = oracle_params(row);
   params.M1_over_M2 = mass_ratio;
-  const auto outcome = carom_oracle::solve_exact(params, model, &row[kBall1], &row[kBall2]);
+  const auto outcome =
+      carom_oracle::solve_exact_as<Real>(params, model, &row[kBall1], &row[kBall2]);
   return expected_row(outcome, outcome.sticks ? kSticks : 0);
+}
+
+Solve exact_solver(const Expect& options, carom_oracle::Model model) {
+  const double ratio = options.mass_ratio;
+  if (options.method == "screen") {
+    return [model, ratio](const CaseRow& row) { return solve_exactly<double>(row, model, ratio); };
+  }
+  return
+      [model, ratio](const CaseRow& row) { return solve_exactly<long double>(row, model, ratio); };
 }
 
 ExpectedRow solve_by_steps(const CaseRow& row, carom_oracle::Model model, long steps) {
@@ -49,12 +60,9 @@ ExpectedRow solve_by_steps(const CaseRow& row, carom_oracle::Model model, long s
 
 Solve solver(const Expect& options) {
   const carom_oracle::Model model = carom_oracle::model_by_name(options.model);
-  if (options.method == "exact") {
-    const double ratio = options.mass_ratio;
-    return [model, ratio](const CaseRow& row) { return solve_exactly(row, model, ratio); };
-  }
+  if (options.method == "exact" || options.method == "screen") return exact_solver(options, model);
   if (options.method != "euler") {
-    throw std::runtime_error("--method " + options.method + ": expected exact or euler");
+    throw std::runtime_error("--method " + options.method + ": expected exact, screen or euler");
   }
   if (options.mass_ratio != 1) throw std::runtime_error("--mass-ratio: expected 1 with euler");
   if (options.steps < 1) throw std::runtime_error("--steps: expected at least 1");

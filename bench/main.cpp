@@ -34,7 +34,7 @@ void add_expect(CLI::App* app, Expect* options) {
   CLI::App* sub = app->add_subcommand(
       "expect", "What must come out: rows of 14 float64 (12 velocities, status, sticks).");
   sub->add_option("--cases", options->cases, "file of cases")->required();
-  sub->add_option("--method", options->method, "exact or euler")->required();
+  sub->add_option("--method", options->method, "exact, screen or euler")->required();
   sub->add_option("--model", options->model, "mathavan2014, bottom_slip or pooltool")->required();
   sub->add_option("--steps", options->steps, "steps of euler");
   sub->add_option("--mass-ratio", options->mass_ratio, "mass of ball 1 to that of ball 2; of exact")

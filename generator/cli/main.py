@@ -107,6 +107,7 @@ def gen(
 def _register() -> None:
     from generator.cli import (
         bench,
+        challenge,
         cluster,
         collide,
         emit,
@@ -121,6 +122,7 @@ def _register() -> None:
 
     for command in (
         bench.bench,
+        challenge.challenge,
         collide.collide,
         emit.emit,
         explain.explain,

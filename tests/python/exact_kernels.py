@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,20 +9,23 @@ from pathlib import Path
 import numpy as np
 from kernels import EULER, build_all, compiler_of
 
+from generator.challenge.kept import KEPT as KEPT
+from generator.challenge.kept import hexfloats as hexfloats
+from generator.challenge.kept import keep as keep
+from generator.challenge.kept import load_kept
 from generator.steppers.budgets import tableaus_for
 from generator.targets.host import read_host
 from generator.targets.target import Target, find_target
-from generator.timing.bench_tool import ROOT, BenchTool
+from generator.timing.bench_tool import BenchTool
 from generator.toolchain.build import BuiltLibrary
 from generator.variants.presets import find_preset
 from generator.variants.roots import COARSEST_FIRST, allows
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, Variant, make_variant
 from generator.verification.errors import STATUS, Array, errors_of
-from generator.verification.reference import CASE_NAMES
+from generator.verification.floors import SPEEDS, nudged, rounding_of
 from generator.verification.reference import MODELS as MODELS
 
-HARD = ROOT / "tests" / "data" / "hard_cases.csv"
 BUDGETS = (1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 COMPILERS = ("gcc", "clang")
 R, M = 0.028575, 0.170097  # of the tests' own shots
@@ -87,45 +89,10 @@ def built(variants: Sequence[Variant]) -> list[Path]:
 # -- errors ----------------------------------------------------------------------------------------
 
 
-def hexfloats(row: Array) -> str:
-    """A case to the last bit, as C and Python read it."""
-    return " ".join(
-        f"{name}={value.hex()}" for name, value in zip(CASE_NAMES, map(float, row), strict=True)
-    )
-
-
 def load_hard() -> tuple[tuple[str, ...], Array]:
     """Kinds and rows of 24 of the cases that a kernel once failed; any model may meet them."""
-    with HARD.open(newline="", encoding="utf-8") as file:
-        records = list(csv.DictReader(file))
-    rows = [[float.fromhex(record[name]) for name in CASE_NAMES] for record in records]
-    return tuple(f"hard {record['kind']}" for record in records), np.array(rows)
-
-
-def keep_hard(found: Sequence[tuple[str, Array]]) -> int:
-    """Adds cases (kind, row) to the file of hard ones; how many were new."""
-    _, rows = load_hard()
-    known = {tuple(row) for row in rows}
-    new = [(kind, row) for kind, row in found if tuple(row) not in known]
-    with HARD.open("a", newline="", encoding="utf-8") as file:
-        for kind, row in new:
-            file.write(",".join([kind, *(float(value).hex() for value in row)]) + "\n")
-    return len(new)
-
-
-def rounding_of(cases: Array) -> Array:
-    """What the rounding of speeds alone makes of a result, relative to |v1 - v2|.
-
-    Four units in the last place of the fastest speed of a case (of v or R w): where balls are much
-    faster than they approach, no kernel whose input and output are doubles can be surely nearer.
-    The exact result itself moves by as much when a speed changes by its last bit (`conditioning`).
-    """
-    speeds = np.abs(cases[:, [*range(9, 12), *range(18, 21)]])
-    spins = np.abs(cases[:, [*range(12, 15), *range(21, 24)]]) * cases[:, :1]
-    fastest = np.maximum(speeds.max(axis=1), spins.max(axis=1))
-    approach = np.linalg.norm(cases[:, 9:12] - cases[:, 18:21], axis=1)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return np.where(approach > 0, 4 * 2.0**-52 * fastest / approach, np.inf)
+    kinds, rows = load_kept()
+    return tuple(f"hard {kind}" for kind in kinds), rows
 
 
 def conditioning(tool: BenchTool, model: str, case: Array) -> float:
@@ -133,10 +100,7 @@ def conditioning(tool: BenchTool, model: str, case: Array) -> float:
 
     No kernel in double that projects speeds on the line of centres can be surely nearer.
     """
-    cases = np.tile(case, (32, 1))
-    speeds = [*range(9, 15), *range(18, 24)]
-    signs = np.random.default_rng(1).choice([-1.0, 0.0, 1.0], (31, 12))
-    cases[1:, speeds] *= 1 + signs * 2.0**-52
+    cases = nudged(case, 32, SPEEDS)
     exact = tool.expect(cases, "exact", model)
     return float(errors_of(cases, exact, np.tile(exact[0], (32, 1))).relative.max())
 

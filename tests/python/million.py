@@ -24,13 +24,13 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from exact_kernels import (
     BUDGETS,
     COMPILERS,
-    HARD,
+    KEPT,
     Worst,
     built,
     conditioning,
     exact_variant,
     hexfloats,
-    keep_hard,
+    keep,
     load_hard,
     roots_for,
 )
@@ -168,12 +168,12 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=COUNT, help="random cases a model")
     parser.add_argument("--budgets", type=float, nargs="+", default=BUDGETS)
     parser.add_argument("--models", choices=MODELS, nargs="+", default=MODELS)
-    parser.add_argument("--keep", action="store_true", help=f"add what fails to {HARD.name}")
+    parser.add_argument("--keep", action="store_true", help=f"add what fails to {KEPT.name}")
     options = parser.parse_args()
     rows = prove_all(options.count, tuple(options.budgets), tuple(options.models))
     if options.keep:
         worst = [w for row in rows for w in row.worst.failing()]
-        print(f"{keep_hard(worst)} cases added to {HARD}")
+        print(f"{keep(worst)} cases added to {KEPT}")
     return 0 if all(row.worst.passed for row in rows) else 1
 
 

@@ -1,0 +1,1 @@
+"""The search for the input with the largest error of a kernel."""
