@@ -36,7 +36,7 @@ class BenchRow:
         return self.candidate.rejected
 
     def document(self) -> dict[str, Any]:
-        """The row as ../shared/interface.md documents it, and more."""
+        """The row as `gen bench --json` writes it."""
         c, v = self.candidate, self.candidate.variant
         timing, verdict = c.timing, c.verdict
         return {

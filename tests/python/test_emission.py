@@ -307,6 +307,21 @@ def test_what_templates_import_imports_nothing_itself() -> None:
             assert not re.search(r"{%-? *(?:include|import|from|extends)", texts[path]), name
 
 
+def test_what_templates_say_they_expect_exists() -> None:
+    """As `k` (emission.kernel_source.KernelContext): a module of the generator and a name in it."""
+    found, stale = 0, []
+    for path in sorted(templates_folder().rglob("*.j2")):
+        comments = " ".join(re.findall(r"{#-?(.*?)#}", path.read_text("utf-8"), re.DOTALL))
+        for room, module, name in re.findall(r"\b([a-z]+)\.([a-z_]+)\.([A-Z]\w+)", comments):
+            found += 1
+            source = ROOT / "generator" / room / f"{module}.py"
+            if not source.exists() or not re.search(rf"\bclass {name}\b", source.read_text()):
+                stale.append(f"{path.name}: {room}.{module}.{name}")
+    print(f"{found} names in templates, {len(stale)} stale: {stale}")
+    assert found >= 8
+    assert not stale
+
+
 def test_operation_counts_are_in_the_text() -> None:
     source = emit(variant(**find_preset("reduced-ahead").options))
     assert source.counts.describe() in source.source
