@@ -32,7 +32,7 @@ def _run(page: Path, width: int, height: int, dark: bool, *options: str) -> str:
     command += ["--host-resolver-rules=MAP * ~NOTFOUND"]  # a page that asks the network fails
     command += [f"--blink-settings=preferredColorScheme={0 if dark else 1}"]
     command += [f"--window-size={width},{height}", *options, page.resolve().as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

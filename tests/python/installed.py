@@ -30,7 +30,7 @@ def _hash() -> str:
     return digest.hexdigest()[:16]
 
 
-def run(command: Sequence[object], timeout: float = 600.0, **environment: str) -> str:
+def run(command: Sequence[object], timeout: float = 1500.0, **environment: str) -> str:
     """What a command prints; an AssertionError with its end where it fails."""
     done = subprocess.run(
         [str(word) for word in command],

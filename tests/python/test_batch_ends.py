@@ -66,10 +66,10 @@ def test_compression_that_ends_at_zero_approach_ends_like_any_other(target, widt
     exact = tool.expect(ties, "exact", MODEL)
     others = reference[:8].copy()
     others[:, 5] = ROW[5]
-    alone = tool.run_kernel(built.path, others, batch=True, timeout=20.0)
+    alone = tool.run_kernel(built.path, others, batch=True, timeout=600.0)
     for place in range(9):  # each lane of the vectors
         rows = np.vstack([others[:place], ties, others[place:]])
-        got = tool.run_kernel(built.path, rows, batch=True, timeout=20.0)
+        got = tool.run_kernel(built.path, rows, batch=True, timeout=600.0)
         here = slice(place, place + len(ties))
         verdict = euler_verdict(ties, got[here], euler, exact, steps, flip_share=1.0)
         assert verdict.passed, f"place {place}: {verdict.reason}"
@@ -94,7 +94,7 @@ def test_a_lane_that_never_gets_there_ends_all_the_same(wrong):
     assert not isinstance(built, KernelError), built
     rows = np.vstack([_head_on(), load_reference().cases[:40]])
     rows[:, :6] = ROW
-    got = bench_tool().run_kernel(built.path, rows, batch=True, timeout=20.0)
+    got = bench_tool().run_kernel(built.path, rows, batch=True, timeout=600.0)
     want = bench_tool().expect(rows, "euler", MODEL, 40)
     off = np.nan_to_num(np.abs(got[:, :12] - want[:, :12]), nan=np.inf).max()
     print(f"{len(rows)} collisions ended, {off:.3g} m/s off")

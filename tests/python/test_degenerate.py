@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+import resource
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -250,7 +250,7 @@ class Kernel:
     library: object
 
     def run(self, rows: Array, batch: bool, in_place: bool) -> Array:
-        limit = 60 + SLOWEST[self.family] * len(rows)
+        limit = 600 + SLOWEST[self.family] * len(rows)  # on a busy machine too
         return self.tool.run_kernel(
             self.library, rows, batch=batch, in_place=in_place, timeout=limit
         )
@@ -320,6 +320,11 @@ def all_kinds(kernel: Kernel, count: int) -> None:
     assert not failed, "\n".join(failed)
 
 
+def cpu_seconds() -> float:
+    """Of processes that have ended, this one's children: other work on the machine is not in it."""
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+
+
 def one_kind(kernel: Kernel, kind: str, number: int, count: int) -> None:
     make, took, done = KINDS[kind], 0.0, 0
     while done < count:
@@ -328,9 +333,9 @@ def one_kind(kernel: Kernel, kind: str, number: int, count: int) -> None:
         rows, want = make(rng, n, kernel.model)
         outcomes = []
         for batch in (False, True):
-            start = time.monotonic()
+            start = cpu_seconds()
             outcomes.append(kernel.run(rows, batch, in_place=bool(rng.integers(0, 2))))
-            took += time.monotonic() - start
+            took += cpu_seconds() - start
             check(kernel, kind, rows, want, outcomes[-1])
         one, two = (np.ascontiguousarray(o).view(np.uint64) for o in outcomes)
         same = (one == two).all(axis=1)

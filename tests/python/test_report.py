@@ -68,9 +68,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Made]:
         kept = measured_path(folder, TARGET, "any", "mathavan2014")
         write_measured(kept, make_measured(TARGET))
         page = folder / "report.html"
-        start = time.monotonic()
+        start = time.process_time()  # other work on the machine is not in it
         result = _run("report", "--target", TARGET, "--store", store.path, "--out", page)
-        seconds = time.monotonic() - start
+        seconds = time.process_time() - start
     assert result.exit_code == 0, result.output
     yield Made(page, page.with_suffix(".json"), seconds, store)
 

@@ -95,7 +95,7 @@ def test_a_kernel_that_crashes_or_hangs_or_errs_is_rejected_and_the_sweep_goes_o
     bench = Workbench(build_bench_tool(folder), folder, compilers, fresh=True)
     station = Station(bench, "any", "pooltool")
     station.expected(100)
-    bench.kernel_timeout = 3.0
+    bench.kernel_timeout = 12.0  # good ones take 0.1 s, on an idle machine
     lab = SabotagedLab(station, TARGET)
     only = {key: (code,) for key, code in ONE.items()}
     only = {**only, "rsqrt": ("div", *BROKEN, "ahead"), "branch": ("chosen", "nested")}
@@ -212,7 +212,7 @@ def test_ctrl_c_at_a_terminal_ends_a_sweep_cleanly(tmp_path: Path) -> None:
     )
     os.close(sub)
     shown = b""
-    end = time.monotonic() + 240
+    end = time.monotonic() + 1200
     while b"best so far" not in shown and time.monotonic() < end:
         shown += os.read(main, 65536)
     time.sleep(1.0)
@@ -227,7 +227,7 @@ def test_ctrl_c_at_a_terminal_ends_a_sweep_cleanly(tmp_path: Path) -> None:
         shown += more
     text = shown.decode(errors="replace")
     print(text[-600:])
-    assert process.wait(timeout=60) == 130
+    assert process.wait(timeout=600) == 130
     for title in ("contest", "doing", "done", "best so far", "time", "left at most"):
         assert title in text
     assert "stopped; all that was measured is kept in" in text and "Traceback" not in text

@@ -86,7 +86,7 @@ def ran(command: list[object], **options: object) -> subprocess.CompletedProcess
         [str(word) for word in command],
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=1500,
         env=environment,
         **options,  # type: ignore[call-overload]
     )
