@@ -8,6 +8,7 @@ from pathlib import Path
 
 from generator.targets.target import Target, find_target, targets
 
+CPUINFO = Path("/proc/cpuinfo")
 # Spellings of /proc/cpuinfo that differ from the compilers'.
 _SPELLINGS = {
     "sse4_1": "sse4.1",
@@ -86,7 +87,7 @@ def _known(fields: dict[str, str]) -> KnownCpu | None:
 
 def read_host(cpuinfo: str | None = None) -> Host:
     """This machine as a target; an unknown CPU becomes its nearest ancestor."""
-    text = cpuinfo if cpuinfo is not None else Path("/proc/cpuinfo").read_text(encoding="utf-8")
+    text = cpuinfo if cpuinfo is not None else CPUINFO.read_text(encoding="utf-8")
     fields = _fields(text)
     flags = fields.get("flags", fields.get("Features", "")).split()
     features = frozenset(_SPELLINGS.get(flag, flag) for flag in flags)

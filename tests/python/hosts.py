@@ -1,0 +1,34 @@
+"""Machines that tests may believe to be on: what /proc/cpuinfo says there (tests/data/cpuinfo).
+
+Nothing but a test can fake a host: a time that is taken is always this machine's.
+"""
+
+from __future__ import annotations
+
+import platform
+from pathlib import Path
+
+import pytest
+
+from generator.targets import host
+
+FOLDER = Path(__file__).parents[1] / "data" / "cpuinfo"
+
+
+def names() -> list[str]:
+    return sorted(path.stem for path in FOLDER.glob("*.txt"))
+
+
+def cpuinfo_of(name: str) -> Path:
+    return FOLDER / f"{name}.txt"
+
+
+def machine_of(name: str) -> str:
+    """As `uname -m` says it there."""
+    return "x86_64" if "vendor_id" in cpuinfo_of(name).read_text("utf-8") else "aarch64"
+
+
+def believe(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Make this process believe that it is on that machine."""
+    monkeypatch.setattr(host, "CPUINFO", cpuinfo_of(name))
+    monkeypatch.setattr(platform, "machine", lambda: machine_of(name))
