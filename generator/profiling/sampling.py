@@ -53,7 +53,7 @@ def sample(
     text = environment().get_template("sampling/sample.cpp.j2").render()
     sampler = build_library({"sample.cpp": text}, (), compiler, _FLAGS, cache, "sampler")
     taken = call_isolated(
-        "carom_sample", sampler.path, cases, 60 + 5 * seconds, kernel.path.resolve(), seconds
+        "carom_sample", sampler.path, cases, 300 + 5 * seconds, kernel.path.resolve(), seconds
     )
     at = {int(offset): int(count) for offset, count in taken["at"]}
     if not at:

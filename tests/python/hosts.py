@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from generator.targets import host
+from generator.targets.target import find_target
 
 FOLDER = Path(__file__).parents[1] / "data" / "cpuinfo"
 
@@ -32,3 +33,10 @@ def believe(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     """Make this process believe that it is on that machine."""
     monkeypatch.setattr(host, "CPUINFO", cpuinfo_of(name))
     monkeypatch.setattr(platform, "machine", lambda: machine_of(name))
+
+
+def skip_unless_runs(*targets: str) -> None:
+    """Skip a test that runs code of its own choice where this CPU cannot."""
+    for name in targets:
+        if not host.read_host().runs(find_target(name)):
+            pytest.skip(f"this CPU runs no code for {name}")

@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from hosts import skip_unless_runs
 from kernels import ROOT
 from vendored import EXACT, PAIRS, STRICT, compiled, ran, request_for, vendored
 
@@ -138,6 +139,7 @@ def test_units_share_no_code_hold_no_state_and_call_nothing_but_libm(pair, goal,
 
 def test_forcing_a_kernel_runs_that_kernel(folder, objects, tmp_path) -> None:
     """By function and by environment: name, and the very bits that its unit gives."""
+    skip_unless_runs("zen3")
     run = program(PROGRAMS / "forced.c", objects, folder, tmp_path)
     lines = [line.split() for line in ran([run]).stdout.splitlines()]
     print("\n".join(map(" ".join, lines)))
@@ -185,6 +187,7 @@ def test_first_calls_from_many_threads_do_not_race(folder, tmp_path) -> None:
 
 def test_two_prefixes_live_in_one_program(tmp_path) -> None:
     """Both dispatched, both in one binary, both headers in one file."""
+    skip_unless_runs("zen3")
     goals = {"fixed": Goal(steps=1000), "smooth": EXACT}
     objects = []
     for prefix, goal in goals.items():
