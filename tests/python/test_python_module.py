@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import threading
 from pathlib import Path
@@ -84,6 +85,31 @@ def test_the_loosest_kernel_that_keeps_a_budget_is_taken() -> None:
     assert kernel(max_error=9.9e-4).max_error == 1e-6
     assert kernel(steps=1000).steps == 1000 and kernel(steps=1000).max_error is None
     assert kernel().target == RUNNABLE[0]
+
+
+CHOICE = """
+import sys
+sys.path += sys.argv[1:]
+import carom
+import numpy as np
+kernel = carom.Kernel("mathavan2014")
+ball1, ball2 = np.zeros((3, 3)), np.zeros((3, 3))
+ball1[1, 1], ball2[0, 1] = 2.0, 0.057
+print(kernel.target, kernel.collide(carom.Parameters(), ball1, ball2)[2])
+"""
+
+
+@pytest.mark.skipif(shutil.which("qemu-x86_64") is None, reason="no qemu-x86_64")
+@pytest.mark.parametrize(
+    ("cpu", "target"), [("Nehalem", "x86-64-v2"), ("Haswell", "x86-64-v3"), ("EPYC", "x86-64-v3")]
+)
+def test_the_cpu_decides_which_kernel_is_taken(cpu: str, target: str) -> None:
+    """On emulated CPUs of two makers, with AVX2 and without."""
+    python = Path(sys.executable).resolve()
+    libraries = (site(), *(path for path in sys.path if path.endswith("site-packages")))
+    told = run(["qemu-x86_64", "-cpu", cpu, python, "-c", CHOICE, *libraries])
+    print(f"{cpu}: {told}")
+    assert told.splitlines()[-1] == f"{target} 0"
 
 
 @pytest.mark.parametrize(
