@@ -11,10 +11,12 @@ Needs pooltool 0.6 (PyPI: pooltool-billiards).
 from __future__ import annotations
 
 from functools import cache
+from math import isclose
 
 import attrs
 import pooltool.constants as const
 from pooltool.objects.ball.datatypes import Ball, BallState
+from pooltool.objects.ball.params import BallParams
 from pooltool.physics.resolve.ball_ball.core import CoreBallBallCollision
 from pooltool.physics.resolve.ball_ball.friction import (
     AlciatoreBallBallFriction,
@@ -25,6 +27,8 @@ from pooltool.physics.resolve.models import BallBallModel
 from carom import Kernel, Parameters, Status
 
 __all__ = ["FrictionalMathavan"]
+
+_SAME = 1e-9  # masses or radii that differ by less are equal but for rounding
 
 
 @cache
@@ -44,6 +48,11 @@ class FrictionalMathavan(CoreBallBallCollision):
     `num_iterations` does not count. Balls stay on the table: a lifted ball's vertical velocity
     counts during the collision where the model has it, and is dropped after it, as pooltool does.
 
+    The balls' `e_b` are averaged and each has its own `u_s`, as in pooltool; `friction` says what
+    `u_b` is. Balls of unequal mass or radius: `contact_model="pooltool"` gives what pooltool gives,
+    which takes both to be as `ball1`, so that momentum is not kept; the other models are of equal
+    balls, and `solve` raises ValueError that names both values.
+
     `solve` raises ValueError where a ball's state is not finite, the centres coincide or a
     parameter is out of range, and for any model but `pooltool` where the line of centres is not
     level. Balls that do not approach each other keep their velocities.
@@ -62,6 +71,8 @@ class FrictionalMathavan(CoreBallBallCollision):
         """The balls with their velocities after the collision, sliding."""
         one, two = ball1.params, ball2.params
         before1, before2 = ball1.state.rvw, ball2.state.rvw
+        if self.contact_model != "pooltool":
+            _require_equal(one, two)
         friction = self.friction.calculate_friction(ball1, ball2)
         restitution = (one.e_b + two.e_b) / 2
         given = Parameters(one.R, one.m, one.u_s, two.u_s, friction, restitution)
@@ -73,6 +84,15 @@ class FrictionalMathavan(CoreBallBallCollision):
         ball1.state = BallState(after1, const.sliding)
         ball2.state = BallState(after2, const.sliding)
         return ball1, ball2
+
+
+def _require_equal(one: BallParams, two: BallParams) -> None:
+    for name, unit, first, second in (("mass", "kg", one.m, two.m), ("radius", "m", one.R, two.R)):
+        if not isclose(first, second, rel_tol=_SAME):
+            raise ValueError(
+                f"balls of unequal {name}, {first:g} and {second:g} {unit}: expected the same; "
+                "contact_model='pooltool' takes both balls to be as the first, as pooltool does"
+            )
 
 
 def _refuse(status: Status, given: Parameters) -> None:

@@ -90,6 +90,60 @@ def test_other_models_are_named_and_keep_balls_on_the_table() -> None:
         assert apart > 1e-5
 
 
+UNEQUAL = {"m": ("mass", "0.170097 and 0.340194 kg"), "R": ("radius", "0.028575 and 0.05715 m")}
+
+
+def momentum_gained(balls: tuple, after: tuple) -> float:
+    """Change of the horizontal momentum over what the cue ball had; the table takes a little."""
+    before, then = (
+        sum(each.params.m * each.state.rvw[1, :2] for each in pair) for pair in (balls, after)
+    )
+    return float(np.linalg.norm(then - before) / np.linalg.norm(before))
+
+
+@pytest.mark.parametrize("key", UNEQUAL)
+def test_unequal_balls_are_refused_by_value_or_as_pooltool_takes_them(key) -> None:
+    cue, ball = shot(0.2, 0.1, 2.0, (0.0, 0.0, 3.0))
+    ball.params = attrs.evolve(ball.params, **{key: 2 * getattr(ball.params, key)})
+    name, values = UNEQUAL[key]
+    for model in ("mathavan2014", "bottom_slip"):
+        for fields in ({}, {"max_error": 1e-6}):
+            with pytest.raises(ValueError, match=f"unequal {name}, {values}.*'pooltool' takes"):
+                Ours(contact_model=model, **fields).solve(cue.copy(), ball.copy())
+    theirs = Theirs().solve(cue.copy(), ball.copy())
+    ours = Ours().solve(cue.copy(), ball.copy())
+    apart = max(
+        float(np.abs(a.state.rvw[1] - b.state.rvw[1]).max())
+        for a, b in zip(theirs, ours, strict=True)
+    )
+    gained = momentum_gained((cue, ball), ours)
+    print(f"unequal {name}: {apart:.2g} m/s from pooltool's, momentum changes by {gained:.3f}")
+    assert apart <= TOLERANCE
+    assert (gained > 0.5) == (key == "m")  # that of pooltool, whose second ball is as the first
+
+
+def test_equal_balls_keep_their_momentum_but_for_what_the_table_takes() -> None:
+    for model in ("mathavan2014", "bottom_slip", "pooltool"):
+        cue, ball = shot(0.2, 0.1, 2.0, (0.0, 0.0, 3.0))
+        ball.params = attrs.evolve(ball.params, m=ball.params.m * (1 + 1e-12), u_s=0.1, e_b=0.8)
+        after = Ours(contact_model=model, max_error=1e-6).solve(cue.copy(), ball.copy())
+        gained = momentum_gained((cue, ball), after)
+        print(f"{model}: momentum changes by {gained:.2g}")
+        assert gained < 0.01
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("m", 0.0), ("m", np.nan), ("R", -1.0), ("u_s", 1.5), ("e_b", np.inf)]
+)
+def test_parameters_out_of_range_are_refused(key, value) -> None:
+    cue, ball = shot(0.0, 0.0, 1.0, (0.0, 0.0, 0.0))
+    for each in (cue, ball):
+        each.params = attrs.evolve(each.params, **{key: value})
+    for model in ("pooltool", "mathavan2014"):
+        with pytest.raises(ValueError, match=r"out of range|unequal mass"):
+            Ours(contact_model=model).solve(cue.copy(), ball.copy())
+
+
 def test_refusals_name_the_cure() -> None:
     cue, ball = shot(0.0, 0.0, 1.0, (0.0, 0.0, 0.0))
     with pytest.raises(ValueError, match="there are mathavan2014, bottom_slip, pooltool"):
