@@ -74,13 +74,21 @@ def _obstacle(found: _Destination) -> str:
         return "is a folder; expected the name of a file"
     if old is not None and found.descriptor is None:
         mode = stat.S_IMODE(old.st_mode)
-        if not mode & 0o222 or not os.access(found.place, os.W_OK):
+        if not mode & 0o222:
             return f"is read-only (mode {mode:04o}); make it writable, or name another file"
+        if not os.access(found.place, os.W_OK):
+            return f"{_denied(found.place)}; name another file"
     if not found.regular:
         return ""
     if not folder.is_dir():
         return f"there is no folder {folder}; make it first"
-    return "" if os.access(folder, os.W_OK) else f"no permission to write in {folder}"
+    return "" if os.access(folder, os.W_OK) else _denied(folder)
+
+
+def _denied(place: Path) -> str:
+    if os.statvfs(place).f_flag & os.ST_RDONLY:
+        return f"{place} is on a disk that is mounted read-only"
+    return f"no permission to write {'in' if place.is_dir() else 'to'} {place}"
 
 
 def _destination(path: Path) -> _Destination:
