@@ -14,7 +14,7 @@ import click
 def emit(kernel: str | None, header: str | None, out: Path | None) -> None:
     """Print the text of KERNEL, named in full, by its file or as `carom_kernel()` tells it.
 
-    These are the bytes in generated/; nothing is compiled or timed.
+    Where it was chosen these are the bytes in generated/; nothing is compiled or timed.
     """
     from generator.files import require_place, write_file
 
@@ -30,13 +30,18 @@ def emit(kernel: str | None, header: str | None, out: Path | None) -> None:
 
 
 def _kernel(name: str) -> str:
+    from generator.choice.selection import read_selection
+    from generator.cli.session import ROOT
     from generator.emission.kernel_source import emit as emitted
     from generator.errors import InputError
-    from generator.variants.names import variant_named
+    from generator.variants.names import source_name_of, variant_named
 
     variant = variant_named(name)
+    selection = read_selection(ROOT / "generated" / variant.target / variant.scene)
+    file = f"{source_name_of(variant)}.cpp"
+    chosen = [entry for entry in selection.kernels if entry.file == file] if selection else []
     try:
-        return emitted(variant).source
+        return emitted(variant, grounds=chosen[0].evidence if chosen else "").source
     except ValueError as error:
         raise InputError(f"{name}: {error}") from None
 

@@ -111,7 +111,7 @@ def say_outcomes(console: Console, outcomes: Sequence[Outcome], ledger: Ledger) 
             f"{exploration.tried} of them tried now; {end}; rejected: {counts or 'none'}"
         )
         if final is None:
-            say("nothing passed: no choice")
+            say(f"nothing {'was tried' if exploration.untried else 'passed'}: no choice")
         else:
             say_final(console, final)
     for why, count in sorted(ledger.unused.items()):

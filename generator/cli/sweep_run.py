@@ -30,7 +30,8 @@ from generator.sweep.selecting import write_choices
 from generator.sweep.space import Contest, parse_only
 from generator.sweep.station import Station
 from generator.sweep.store import ResultStore, default_store, opened, read_only
-from generator.sweep.sweep import Plan, explorations, require_spaces, run_sweep
+from generator.sweep.sweep import USEFUL_MINUTES, Plan, explorations, require_spaces, run_sweep
+from generator.targets.host import read_host
 from generator.targets.target import Target
 from generator.variants.lane_numbers import widths_for
 
@@ -112,10 +113,12 @@ def _plan(
 
 def _work(asked: Asked, plan: Plan, lab: Lab, store: ResultStore, started: float) -> int:
     command = " ".join(["./gen", *map(shlex.quote, sys.argv[1:])])
-    record = new_run(command, plan.seed, lab.cpu, plan.target.name, lab.compilers)
+    cpuid = read_host().cpuid if asked.scheduler is None else None
+    record = new_run(command, plan.seed, lab.cpu, plan.target.name, lab.compilers, cpuid)
     ledger = Ledger(store, record, asked.fresh)
     end = None if plan.minutes is None else started + 60 * plan.minutes
     console = Console()
+    say_too_short(plan)
     display = SweepDisplay(started, end, plan.trials)
     with displayed(display, Console(stderr=True)) as show, kept(show) as observe:
         if asked.verify_choice:
@@ -133,7 +136,20 @@ def _work(asked: Asked, plan: Plan, lab: Lab, store: ResultStore, started: float
         write_choices(_folder(asked), asked.target, plan.target.name, asked.scene, finals)
         console.print(f"written: {_folder(asked)}", highlight=False, soft_wrap=True)
     console.print(f"store: {asked.place}", highlight=False, soft_wrap=True)
-    return 0 if all(outcome.final is not None for outcome in outcomes) else 1
+    return 1 if any(outcome.failed for outcome in outcomes) else 0
+
+
+def say_too_short(plan: Plan, models: int = 1) -> None:
+    """Before the work, where the minutes are fewer than the contests need."""
+    contests = models * len(plan.contests)
+    needed = USEFUL_MINUTES * contests
+    if plan.minutes is not None and plan.minutes < needed:
+        Console(stderr=True).print(
+            f"carom: {plan.minutes:g} minutes are few: {contests} contests need about "
+            f"{needed:g}; each gets its first candidates, and no more",
+            highlight=False,
+            soft_wrap=True,
+        )
 
 
 def _folder(asked: Asked) -> Path:
@@ -178,8 +194,7 @@ def _say_stopped(asked: Asked) -> None:
 def _target(asked: Asked) -> Target:
     """The target; one that is not this host's CPU can be timed by a cluster alone."""
     target, host = resolve_target(asked.target)
-    is_host = host.target.name == target.name and host.exact
-    if not is_host and asked.scheduler is None:
+    if not host.is_a(target) and asked.scheduler is None:
         raise InputError(
             f"--target {asked.target}: this host is {host.cpu} ({host.target.name}), and a time "
             "taken on another CPU is never the target's; use native, or --scheduler"

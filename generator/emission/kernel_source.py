@@ -410,8 +410,13 @@ def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> Ope
     return next((f for f in context.functions if f.pressed), context.functions[0]).counts()
 
 
-def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) -> KernelSource:
-    """The text of a kernel, its header and its probe. ValueError where the variant is illegal."""
+def emit(
+    variant: Variant, naming: Naming = _PLAIN, command: str | None = None, grounds: str = ""
+) -> KernelSource:
+    """The text of a kernel, its header and its probe. ValueError where the variant is illegal.
+
+    `grounds`: what its choice rests on, for the banner.
+    """
     target, scene = target_or_port(variant.target), find_scene(variant.scene)
     require_legal(variant, target)
     fixed, free, fields = _fields(scene)
@@ -469,7 +474,8 @@ def emit(variant: Variant, naming: Naming = _PLAIN, command: str | None = None) 
     shown = {"k": context, "x": context.exact, "lanes": context.lanes, "b": context.euler_batch}
     data = (name, repr(naming), *_data_of(target), scene.model_dump_json())
     remake = command or f"./gen emit {name}"
-    source = format_source(bannered("kernel.cpp.j2", name, remake, data, shown), f"{name}.cpp")
+    text = bannered("kernel.cpp.j2", name, remake, data, shown, grounds=grounds)
+    source = format_source(text, f"{name}.cpp")
     return KernelSource(
         variant=variant,
         source_name=name,

@@ -58,7 +58,8 @@ def union(*groups: Iterable[TimingRecord]) -> tuple[TimingRecord, ...]:
     return tuple(lines[line] for line in order)
 
 
-def write_records(path: Path, records: Iterable[TimingRecord]) -> None:
-    """The file anew, whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_file(path, "".join(f"{record.line()}\n" for record in union(records)))
+def write_records(path: Path, records: Iterable[TimingRecord]) -> int:
+    """The file anew, whole or not at all. How many records it has."""
+    lines = [f"{record.line()}\n" for record in union(records)]
+    write_file(path, "".join(lines), parents=True)
+    return len(lines)

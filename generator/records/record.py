@@ -35,7 +35,7 @@ class Cpu(_Part):
     name: str
     vendor: str
     family: int  # as cpuid and lscpu count; 0 where there is no cpuid
-    model: int
+    model: int | None  # None: not noted
 
     @property
     def text(self) -> str:

@@ -79,7 +79,7 @@ def measure(
         verified_cases=len(expected.cases),
         kernels=tuple(_figures(bench, study, expected, kinds, host, timing) for study in studies),
         growth=tuple(growth_of(bench, studies, target, timing, expected, seconds)),
-        calls=tuple(time_calls(bench, called, target, timing, expected, seconds)),
+        calls=tuple(time_calls(bench, called, target, expected, seconds)),
     )
 
 

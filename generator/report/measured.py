@@ -15,10 +15,10 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from generator.errors import InputError
 from generator.files import write_file
-from generator.sweep.sources import hash_of_rooms
+from generator.sweep.sources import SHAPING, hash_of_rooms
 
 SCHEMA: Literal[2] = 2
-_ROOMS = ("mechanics", "steppers", "variants", "lowering", "emission", "verification", "profiling")
+ROOMS = (*SHAPING, "verification", "profiling")  # what kernels, verdicts and counts follow from
 Source = Literal["hardware counters", "valgrind's simulation"]
 
 
@@ -172,7 +172,7 @@ class Measured(_Part):
 @cache
 def sources_hash() -> str:
     """Hash of the rooms and templates that kernels, verdicts and counts follow from."""
-    return hash_of_rooms(_ROOMS)[:16]
+    return hash_of_rooms(ROOMS)[:16]
 
 
 def measured_path(cache: Path, target: str, scene: str, model: str) -> Path:

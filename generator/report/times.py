@@ -169,17 +169,13 @@ def time_calls(
     bench: Workbench,
     called: Sequence[Called],
     target: Target,
-    cases: Array,
     expected: Expected,
     seconds: float,
 ) -> list[CallPoint]:
-    """Each goal's kernels through either function, on cases that share all parameters but u_b."""
+    """Each goal's kernels through either function, on the cases that all batches are timed on."""
     candidates = bench.prepare([c.variant for c in called], target)
     bench.compile(candidates)
     bench.verify(candidates, expected)
-    shared = cases.copy()
-    shared[:, :6] = cases[0, :6]
-    shared[:, 4] = cases[:, 4]  # u_b
     rows = [
         (one, f"{index}", candidate)
         for index, (one, candidate) in enumerate(zip(called, candidates, strict=True))
@@ -193,7 +189,8 @@ def time_calls(
         for one, label, candidate in rows
         if candidate.library is not None
     )
-    run = bench.tool.time(TimingPlan(shared, planned, planned[0].name, rounds=400, seconds=seconds))
+    cases = bench.batch_cases(expected.scene, called[0].variant.model)
+    run = bench.tool.time(TimingPlan(cases, planned, planned[0].name, rounds=400, seconds=seconds))
     scalar = {one.role: label for one, label, _ in reversed(rows) if not one.batch}
     return [
         _call(run, one, label, scalar[one.role]) for one, label, _ in rows if one.role in scalar

@@ -78,16 +78,23 @@ class Exploration:
 
     def run(self) -> None:
         """Waves until the search has nothing left or the budget is used up."""
-        while not self.budget.over(self.tried):
-            timed = [(e.variant, e.ratio) for e in self.ranked()]
-            rejected = [e.variant for e in self.entries.values() if e.last.rejection is not None]
-            wave = self.search.next_wave(WAVE, timed, rejected)
-            if not wave:
-                self.complete = True
-                break
-            self._first_rung(wave)
-            for rung in range(len(RUNGS) - 1):
-                self._next_rung(promoted(list(self.entries.values()), rung))
+        while not self.complete and not self.budget.over(self.tried):
+            self.wave()
+
+    def wave(self) -> None:
+        """One wave, up all rungs; where the search has nothing left, it is complete."""
+        timed = [(e.variant, e.ratio) for e in self.ranked()]
+        rejected = [e.variant for e in self.entries.values() if e.last.rejection is not None]
+        wave = self.search.next_wave(WAVE, timed, rejected)
+        self.complete = not wave
+        self._first_rung(wave)
+        for rung in range(len(RUNGS) - 1):
+            self._next_rung(promoted(list(self.entries.values()), rung))
+
+    @property
+    def untried(self) -> bool:
+        """Did the budget end before the first variant?"""
+        return not self.entries and not self.rejected
 
     def ranked(self) -> list[Entry]:
         """What may be chosen, fastest first."""
@@ -218,6 +225,7 @@ class Exploration:
             bench=rules.bench,
             baseline=self._baseline_hash,
             timing=f"{RUNGS[rung]} rounds, blocks of {BLOCK_MS:g} ms",
+            timed=rules.timed,
         )
 
     def _found(self, variant: Variant, rung: int) -> Trial | None:

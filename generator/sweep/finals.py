@@ -15,6 +15,7 @@ import numpy as np
 from generator.choice.workbench import Candidate
 from generator.errors import KernelError
 from generator.records.code import digest
+from generator.records.evidence import NEGLIGIBLE, WON
 from generator.sweep.explore import Exploration
 from generator.sweep.figures import errors_of, rounded, times_of
 from generator.sweep.ladder import RUNGS, Entry, finalists
@@ -26,8 +27,6 @@ from generator.timing.ratios import Interval, TimingRun, control_band, joined, t
 PROCESSES = 6  # the range of six covers the median in 97 of 100
 FINAL_ROUNDS = 120  # in each
 FINAL_SECONDS = 8.0
-NEGLIGIBLE = 1.01  # what loses no more than this may be chosen
-TIED = 1.02  # and no more than this is named a tie: two finals of a pair may differ by 1 %
 CLEARLY = 1.03  # a kernel that is faster than the choice by more than this beats it
 
 Purpose = Literal["choice", "verify-choice"]
@@ -79,7 +78,7 @@ class Rounds:
         """
         ratio, (least, most) = self.ratio(name, best)
         low, high = self.control()
-        return low <= ratio <= high or least <= 1 <= most or ratio <= TIED
+        return low <= ratio <= high or least <= 1 <= most or ratio <= WON
 
 
 def choose(exploration: Exploration) -> Final | None:

@@ -142,12 +142,19 @@ class Ledger:
         return made
 
 
-def new_run(command: str, seed: int, cpu: str, target: str, compilers: Mapping[str, str]) -> Run:
+def new_run(
+    command: str,
+    seed: int,
+    cpu: str,
+    target: str,
+    compilers: Mapping[str, str],
+    cpuid: tuple[str, int, int] | None = None,
+) -> Run:
     """The record of a run that begins now."""
     from generator import __version__
 
     head = {"made_at": now(), "machine": platform.node(), "command": command, "seed": seed}
-    body = {**head, "cpu": cpu, "target": target, "compilers": dict(compilers)}
+    body = {**head, "cpu": cpu, "target": target, "compilers": dict(compilers), "cpuid": cpuid}
     key = digest(body)
     own = {"key": key, "run": key, "system": platform.platform(), "version": __version__}
     run: Run = Run.model_validate({**own, **body}).sealed()

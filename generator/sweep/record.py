@@ -36,6 +36,7 @@ class Depends(_Part):
     bench: str  # hash of what carom_bench is built from
     baseline: str  # hash of source, compiler and flags of `paper-initial`
     timing: str  # how a trial is timed: rounds and length of a block
+    timed: str = ""  # hash of the cases that are timed on alone; records before it have none
 
     def differences(self, other: Depends) -> tuple[str, ...]:
         """Names of the fields in which two differ."""
@@ -123,6 +124,7 @@ class Run(Record):
     command: str
     seed: int
     cpu: str
+    cpuid: tuple[str, int, int] | None = None  # vendor, family, model; None: not noted
     target: str
     compilers: dict[str, str]  # axis code: first line of --version
     system: str

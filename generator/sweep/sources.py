@@ -11,7 +11,7 @@ from generator.choice.workbench import Candidate
 from generator.emission.environment import templates_folder
 from generator.records.code import compiled_hash
 
-_ROOMS = ("mechanics", "scenes", "steppers", "targets", "variants", "lowering", "emission")
+SHAPING = ("mechanics", "scenes", "steppers", "targets", "variants", "lowering", "emission")
 
 
 def candidate_hash(candidate: Candidate) -> str:
@@ -22,7 +22,7 @@ def candidate_hash(candidate: Candidate) -> str:
 @cache
 def emission_hash() -> str:
     """Hash of all that texts follow from: where it is the same, none need be made again."""
-    return hash_of_rooms(_ROOMS)
+    return hash_of_rooms(SHAPING)
 
 
 def hash_of_rooms(rooms: Iterable[str]) -> str:

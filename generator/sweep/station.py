@@ -42,6 +42,7 @@ class Rules:
     cases: str
     rules: str
     bench: str
+    timed: str = ""  # of the cases, those that are timed on
 
 
 @dataclass(frozen=True)
@@ -101,8 +102,10 @@ class Station:
         return self._timing_cases[batches]
 
     def rules(self, steps: int | None, batches: bool) -> Rules:
-        cases = key_of(self.expected(steps).key, self.timing_cases(batches), CASE_COLUMNS)
-        return Rules(cases, verification_hash(), self.bench.tool.executable.name)
+        timed = self.timing_cases(batches)
+        cases = key_of(self.expected(steps).key, timed, CASE_COLUMNS)
+        tool = self.bench.tool.executable.name
+        return Rules(cases, verification_hash(), tool, key_of(timed, CASE_COLUMNS))
 
     def emit(self, variant: Variant, target: Target) -> Candidate:
         """The candidate of a variant. EmissionError says what is wrong, whatever it is."""

@@ -30,6 +30,7 @@ from generator.variants.axes import axes_of
 from generator.variants.lane_numbers import widths_for
 from generator.variants.variant import Variant
 
+USEFUL_MINUTES = 1.0  # that a contest needs at least: its first candidates and their final
 FINAL_RESERVE = 60.0  # seconds of the budget kept for a contest's last wave and its final
 
 
@@ -71,10 +72,14 @@ def held_options(contest: Contest, target: Target) -> dict[str, tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a contest ended with; `final` is None where nothing passed."""
+    """What a contest ended with; `final` is None where nothing passed, or nothing was tried."""
 
     exploration: Exploration
     final: Final | None
+
+    @property
+    def failed(self) -> bool:
+        return self.final is None and not self.exploration.untried
 
 
 def require_spaces(plan: Plan) -> None:
@@ -136,17 +141,24 @@ def _seeds_in_lanes(plan: Plan, contest: Contest) -> list[Variant]:
 def run_sweep(
     plan: Plan, lab: Lab, ledger: Ledger, observe: Observer, started: float
 ) -> list[Outcome]:
-    """Explore and choose. `started`: when the budget's minutes began, on the monotonic clock."""
+    """Explore and choose. `started`: when the budget's minutes began, on the monotonic clock.
+
+    Every contest has its first wave before any has a second one, whatever the minutes.
+    """
     require_spaces(plan)
     todo = explorations(plan, lab, ledger, observe)
     end = None if plan.minutes is None else started + 60 * plan.minutes
     trials, outcomes = plan.trials, []
     for number, exploration in enumerate(todo):
-        left = len(todo) - number
-        exploration.budget = _share(end, trials, left)
+        exploration.budget = _share(None, trials, len(todo) - number, 0)
+        if not exploration.budget.over(0):
+            exploration.wave()
+        trials = None if trials is None else trials - exploration.tried
+    for number, exploration in enumerate(todo):
+        before = exploration.tried
+        exploration.budget = _share(end, trials, len(todo) - number, before)
         exploration.run()
-        if trials is not None:
-            trials -= exploration.tried
+        trials = None if trials is None else trials - exploration.tried + before
         final = choose(exploration)
         if final is not None:
             exploration.note_constraints(variant_of_subject(row_of(final, final.chosen).subject))
@@ -154,10 +166,10 @@ def run_sweep(
     return outcomes
 
 
-def _share(end: float | None, trials: int | None, left: int) -> Budget:
+def _share(end: float | None, trials: int | None, left: int, tried: int) -> Budget:
     """An equal part of what is left; what a contest does not use goes to those after it."""
     deadline = None
     if end is not None:
         now = time.monotonic()
         deadline = now + (end - now) / left - FINAL_RESERVE
-    return Budget(deadline, None if trials is None else -(-trials // left))
+    return Budget(deadline, None if trials is None else tried - (-trials // left))

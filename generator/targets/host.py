@@ -57,6 +57,10 @@ class Host:
     family: int = 0  # as cpuid counts; 0 where there is none
     model: int = 0
 
+    @property
+    def cpuid(self) -> tuple[str, int, int]:
+        return self.vendor, self.family, self.model
+
     def is_a(self, target: Target) -> bool:
         """Is this machine's CPU the one that the target names? Only then its times are its own."""
         return self.exact and self.target.name == target.name

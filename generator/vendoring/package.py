@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from generator import __version__
+from generator.choice.selection import Selected
 from generator.emission.banner import bannered
 from generator.emission.environment import environment
 from generator.emission.formatting import format_source
@@ -171,19 +172,19 @@ def _units(
         for batch, entry in kernels.items():
             if entry is not None:
                 unit = unit_of(target, batch)
-                text = _unit(request, unit, entry.kernel, dispatched)
+                text = _unit(request, unit, entry, dispatched)
                 units[unit_file(request, target, batch)] = _guarded(request, target, text)
     return units
 
 
-def _unit(request: VendorRequest, unit: str, kernel: str, dispatched: bool) -> str:
+def _unit(request: VendorRequest, unit: str, entry: Selected, dispatched: bool) -> str:
     """One translation unit: alone, or one of several behind the dispatcher."""
     naming = Naming(
         prefix=request.prefix,
         unit=unit if dispatched else "",
         enclosing=f"{request.prefix}_{unit}",
     )
-    return emit(variant_of(kernel), naming, request.command).source
+    return emit(variant_of(entry.kernel), naming, request.command, entry.evidence).source
 
 
 def _guarded(request: VendorRequest, target: str, text: str) -> str:

@@ -7,11 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from generator.choice.candidates import batch_candidates, exact_candidates, fixed_step_candidates
 from generator.choice.choose import MODEL_ERROR, choose_by_model, choose_by_records, selected
+from generator.choice.folder import write_folder
 from generator.choice.selection import Selection
 from generator.choice.workbench import Candidate
+from generator.cli.main import gen
 from generator.records.evidence import Found, key_of_kernel, read_timings, timings_of, told
 from generator.records.files import read_records, timings_path, union, write_records
 from generator.records.recipe import contest_of, recipe_of, variant_of_recipe
@@ -218,3 +221,17 @@ def test_a_batch_kernel_of_another_width_takes_the_place_of_the_one_before() -> 
     empty = Selection(target="zen3", resolved="zen3", scene="any", kernels=[])
     both = empty.with_entries(entries[:1]).with_entries(entries[1:])
     assert [entry.width for entry in both.kernels] == [4]
+
+
+def test_the_banner_says_what_a_choice_rests_on_and_emit_gives_the_same_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = candidate("inv", 0.34, changed="kernel text")
+    entry = selected(choose_by_records([made], ZEN3), made)
+    folder = tmp_path / "generated" / "zen3" / "any"
+    write_folder(folder, Selection(target="zen3", resolved="zen3", scene="any", kernels=[entry]))
+    text = (folder / entry.file).read_text("utf-8")
+    print(next(line for line in text.splitlines() if "chosen:" in line))
+    assert f"// chosen:   {entry.evidence}\n" in text
+    monkeypatch.setattr("generator.cli.session.ROOT", tmp_path)
+    assert CliRunner().invoke(gen, ["emit", entry.file]).stdout == text

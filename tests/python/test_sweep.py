@@ -15,13 +15,16 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
+from rich.console import Console
 from sweep_lab import BATCH, EXACT, EXACT_BATCH, FIXED, ZEN3, FakeLab, landscape, plan, swept
 from sweep_records import trial as timed_trial
 
 import generator.variants.axes as axes_module
 from generator.cli.interrupts import kept
+from generator.cli.sweep_display import say_outcomes
 from generator.errors import InputError, KernelCrash
-from generator.sweep.finals import NEGLIGIBLE, beaten_by, row_of
+from generator.records.evidence import NEGLIGIBLE
+from generator.sweep.finals import beaten_by, row_of
 from generator.sweep.ladder import KEPT, RUNGS, Entry, finalists, promoted
 from generator.sweep.recheck import verify_choice
 from generator.sweep.record import Final, Rejection, Run
@@ -555,3 +558,23 @@ def test_an_interrupt_that_a_finaliser_lost_stops_the_sweep_at_its_next_step() -
             assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def test_however_few_the_minutes_each_contest_gets_its_first_candidates(tmp_path: Path) -> None:
+    """As `gen sweep --minutes 2`, which once spent all on the first of four."""
+    with opened(tmp_path / "s.sqlite") as store:
+        asked = plan(EXACT, FIXED, EXACT_BATCH, BATCH, minutes=0.001)
+        outcomes, _ = swept(store, FakeLab(), asked)
+    tried = [outcome.exploration.tried for outcome in outcomes]
+    print(tried)
+    assert all(0 < count <= 8 for count in tried)
+    assert all(outcome.final is not None and not outcome.failed for outcome in outcomes)
+
+
+def test_a_contest_that_was_not_tried_has_not_failed(tmp_path: Path) -> None:
+    with opened(tmp_path / "s.sqlite") as store:
+        outcomes, ledger = swept(store, FakeLab(), plan(EXACT, FIXED, trials=1))
+    assert [outcome.failed for outcome in outcomes] == [False, False]
+    console = Console(record=True, width=200)
+    say_outcomes(console, outcomes, ledger)
+    assert "nothing was tried" in console.export_text()

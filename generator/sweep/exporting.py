@@ -1,0 +1,111 @@
+"""Records of timings out of a store: of each kernel's code the timing that tells most."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from generator.records.recipe import contest_of, recipe_of
+from generator.records.record import Basis, Cpu, TimingRecord
+from generator.sweep.ledger import identity
+from generator.sweep.record import Depends, Final, Run, Times, Trial
+from generator.sweep.space import variant_of_subject
+from generator.sweep.store import ResultStore
+from generator.targets.host import KNOWN_CPUS
+
+
+@dataclass(frozen=True)
+class Exported:
+    """Records, and a line for each trial of which there is none."""
+
+    records: tuple[TimingRecord, ...]
+    left: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Timed:
+    """The times of a trial, or of the final that its kernel was in later."""
+
+    trial: Trial
+    times: Times
+    made_at: str
+    origin: str
+
+
+def exported(store: ResultStore, target: str) -> Exported:
+    """The records of a target's CPU in a store."""
+    runs = {run.id: run for run in store.runs()}
+    records, left = [], []
+    for timed in _with_finals(_longest(store.trials(), target), store.finals()):
+        try:
+            records.append(_record(timed, runs[timed.trial.run]))
+        except ValueError as error:
+            left.append(f"{timed.trial.subject.name}: {error}; the trial is skipped")
+    return Exported(tuple(records), tuple(left))
+
+
+def _longest(trials: Iterable[Trial], target: str) -> list[Trial]:
+    """Of each variant's code the trial of the highest rung."""
+    found: dict[tuple[str, Depends], Trial] = {}
+    for trial in trials:
+        if trial.times is None or trial.depends is None or trial.subject.target != target:
+            continue
+        key = (identity(trial.subject), trial.depends.model_copy(update={"timing": ""}))
+        if key not in found or found[key].rung <= trial.rung:
+            found[key] = trial
+    return list(found.values())
+
+
+def _with_finals(trials: Iterable[Trial], finals: Iterable[Final]) -> Iterator[_Timed]:
+    """A final timed what was newest then."""
+    known = sorted(trials, key=lambda trial: trial.made_at)
+    timed = {trial.id: _of_trial(trial) for trial in known}
+    for final in finals:
+        newest = {identity(t.subject): t for t in known if t.made_at <= final.made_at}
+        for row in final.finalists:
+            trial = newest.get(identity(row.subject))
+            if trial is not None:
+                origin = f"sweep, final of {len(final.finalists)}, {final.processes} processes"
+                timed[trial.id] = _Timed(trial, row.times, final.made_at, origin)
+    yield from timed.values()
+
+
+def _of_trial(trial: Trial) -> _Timed:
+    assert trial.times is not None
+    return _Timed(trial, trial.times, trial.made_at, f"sweep, rung {trial.rung}")
+
+
+def _record(timed: _Timed, run: Run) -> TimingRecord:
+    subject, depends = timed.trial.subject, timed.trial.depends
+    assert depends is not None
+    variant = variant_of_subject(subject)
+    return TimingRecord(
+        contest=contest_of(variant, subject.call == "batch"),
+        recipe=recipe_of(variant),
+        ratio=timed.times.ratio,
+        ratio_ci=timed.times.ratio_ci,
+        control=timed.times.control,
+        ns=timed.times.ns,
+        rounds=timed.times.rounds,
+        when=timed.made_at[:19] + "Z",
+        origin=timed.origin,
+        cpu=cpu_of(run),
+        basis=Basis(
+            source=depends.source,
+            compiler=depends.compiler,
+            flags=" ".join(depends.flags),
+            cases=depends.timed or depends.cases,
+            bench=depends.bench,
+            baseline=depends.baseline,
+        ),
+    )
+
+
+def cpu_of(run: Run) -> Cpu:
+    """The CPU of a run; where it was not noted, what is known of the target."""
+    target, _, name = run.cpu.partition(", ")
+    vendor, family, model = run.cpuid or ("", 0, None)
+    for row in KNOWN_CPUS:
+        if run.cpuid is None and row.target == target:
+            vendor, family = row.vendor, row.family
+    return Cpu(target=target, name=name, vendor=vendor, family=family, model=model)
