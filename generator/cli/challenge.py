@@ -101,12 +101,9 @@ def challenge(
 
 
 def _named(kernel: str) -> Variant:
-    from generator.variants.names import variant_of
+    from generator.variants.names import variant_named
 
-    try:
-        variant = variant_of(kernel)
-    except ValueError as error:
-        raise InputError(str(error)) from None
+    variant = variant_named(kernel)
     if variant.stepper.budget is None:
         raise InputError(f"{kernel}: has fixed steps and no error budget; name an exact kernel")
     return variant

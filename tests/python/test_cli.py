@@ -39,6 +39,9 @@ from generator.verification.exact import exact_verdict
 from generator.verification.reference import FOLDER, OUTCOME_NAMES, load_reference
 from generator.verification.verdict import Verdict
 
+FIXED_STEP = "zen3.any.pooltool.euler.n1000.x1." + ".".join(
+    ("reduced.named.factored.chain.ahead", "early.fma.chosen.onestage.scalar")
+)
 INPUTS = FOLDER / "inputs.csv"
 
 
@@ -322,6 +325,8 @@ def test_help_and_lists_load_no_library_that_is_slow_to_load() -> None:
         (("list", "moons"), ("moons", "targets")),
         (("explain", "paper-worst"), ("paper-worst", "paper-best")),
         (("explain", "zen3.any.pooltool"), ("no kernel name",)),
+        (("challenge", "zen3.any.pooltool"), ("no kernel name",)),
+        (("challenge", f"generated/zen3/any/{FIXED_STEP}.cpp"), ("has fixed steps",)),
         (("bench", "--target", "zen9", "--json", "x.json"), ("zen9",)),
     ],
 )
