@@ -181,6 +181,7 @@ def verdict_of_batch(goal: str, rows: np.ndarray, got: np.ndarray) -> Verdict:
 
 def test_collide_batch_takes_the_stored_choice(tmp_path, monkeypatch, lines) -> None:
     """And the fastest, where several widths were chosen."""
+    skip_unless_runs("x86-64-v3")
     single = find_preset("reduced-ahead").options
     x2 = variant("x86-64-v3", **single).in_lanes(2, lane_root="inv", interleave="i2")
     x4 = variant("x86-64-v3", **single).in_lanes(4, lane_root="cubic", interleave="i4")
