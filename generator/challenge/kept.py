@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
 
 from generator.files import write_file
 from generator.places import sources
 from generator.verification.errors import Array
+from generator.verification.hard_cases import load_hard
 from generator.verification.reference import CASE_NAMES
 
 KEPT = sources() / "tests" / "data" / "hard_cases.csv"
@@ -33,10 +31,7 @@ CSV_HEADER = ",".join(["id", "kind", *CASE_NAMES])
 
 def load_kept(path: Path = KEPT) -> tuple[tuple[str, ...], Array]:
     """Kinds and rows of 24; any model may meet them."""
-    with path.open(newline="", encoding="utf-8") as file:
-        records = list(csv.DictReader(file))
-    rows = [[float.fromhex(record[name]) for name in CASE_NAMES] for record in records]
-    return tuple(record["kind"] for record in records), np.array(rows)
+    return load_hard(path)
 
 
 def keep(found: Sequence[tuple[str, Array]], path: Path = KEPT) -> int:

@@ -74,7 +74,7 @@ def exact_candidates(
     fma = "fma" if target.has("fma") else "nofma"
     closed = find_scene(scene).level
     tableaus = tableaus_for(budget)[:1] if closed else tableaus_for(budget)
-    roots = ("inv",) if closed else axis("root").codes()
+    roots = ("inv",) if closed else tuple(c for c in axis("root").codes() if c != "ieee")
     found = [
         make_variant(
             target.name,
@@ -111,8 +111,8 @@ def default_lanes(single: Variant, target: Target) -> Variant:
     if widest == 1 or (known.without_exact_lanes and not fixed):
         return single
     if not fixed:
-        root, way = _exact_lane_roots(single, target)[0], _exact_interleave(known, target)
-        floats = float_lanes(single, target)
+        floats, way = float_lanes(single, target), _exact_interleave(known, target)
+        root = _exact_lane_roots(single, target, bool(floats))[0]
         numbers, width = ("float", floats[0]) if floats else ("own", widest)
         return single.in_lanes(width, lane_root=root, interleave=way, numbers=numbers)
     finished, interleave = _LANES[0]
@@ -145,12 +145,19 @@ def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) 
     return [v for v in found if broken_rule(v, target) is None]
 
 
-def _exact_lane_roots(single: Variant, target: Target) -> tuple[str, ...]:
-    """The coarsest root in lanes that the budget allows, and that of single calls."""
+def _exact_lane_roots(single: Variant, target: Target, floats: bool = False) -> tuple[str, ...]:
+    """The coarsest root in lanes that the budget allows, and that of single calls.
+
+    `floats`: where their steps are made in floats.
+    """
     if find_scene(single.scene).level or not target.has_rsqrt_estimate:
         return (single["root"],)
     budget = single.stepper.budget or 0.0
-    enough = (code for code in COARSEST_FIRST if allows(budget, single.model, code, target))
+    enough = (
+        code
+        for code in COARSEST_FIRST
+        if allows(budget, single.model, code, target, in_floats=floats)
+    )
     return tuple(dict.fromkeys((next(enough), single["root"])))
 
 
@@ -165,8 +172,9 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
     ways = [(widest, root, way, "own") for root in roots for way in ("s2", "i1", "i2")]
     ways += [(width, root, "i2", "own") for root in roots for width in narrower[:1]]
     floats = float_lanes(single, target)
-    ways += [(width, roots[0], way, "float") for width in floats[:1] for way in ("s2", "i1")]
-    ways += [(width, roots[0], "s2", "float") for width in floats[1:2]]
+    root = _exact_lane_roots(single, target, floats=True)[0]
+    ways += [(width, root, way, "float") for width in floats[:1] for way in ("s2", "i1")]
+    ways += [(width, root, "s2", "float") for width in floats[1:2]]
     found = [
         single.in_lanes(
             width, lane_root=root, interleave=interleave, numbers=numbers, compiler=compiler

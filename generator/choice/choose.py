@@ -14,6 +14,7 @@ from generator.targets.host import Host
 from generator.targets.target import Target
 from generator.timing.ratios import TimingRun, fastest, ties
 from generator.variants.variant import Variant
+from generator.verification.verdict import Verdict
 
 MODEL_BAND = 0.005  # modelled cycles that differ by less count as a tie
 MODEL_ERROR = 2.2  # by so much the model was seen to err of two kernels on one CPU
@@ -102,6 +103,15 @@ def choose_by_records(candidates: Sequence[Candidate], target: Target) -> Choice
     return Choice(chosen, tuple(c.name for c in tied), "records", target.name, evidence)
 
 
+def found_errors(verdict: Verdict) -> dict[str, float | None]:
+    """The errors of an entry: the largest found, and that under the worst root estimates."""
+    worst = verdict.worst_estimate_error
+    return {
+        "max_rel_error": float(f"{verdict.largest_error:.3g}"),
+        "worst_estimate_error": None if worst is None else float(f"{worst:.3g}"),
+    }
+
+
 def _cycles(candidate: Candidate) -> float:
     assert candidate.modelled is not None
     return candidate.modelled.cycles
@@ -138,7 +148,7 @@ def selected(choice: Choice, baseline: Candidate) -> Selected:
         evidence=choice.evidence,
         ratio_to_baseline=ratio,
         ratio_ci=interval,
-        max_rel_error=float(f"{chosen.verdict.max_rel_error:.3g}"),
+        **found_errors(chosen.verdict),
         error_against="euler" if variant.stepper.family == "euler" else "exact",
         ties=sorted(name for name in choice.ties if name != chosen.name),
     )

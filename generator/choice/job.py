@@ -9,11 +9,11 @@ from generator.choice.candidates import baseline, exact_candidates, fixed_step_c
 from generator.choice.choose import Choice, choose_by_time
 from generator.choice.modelling import model_all
 from generator.choice.recorded import choose_elsewhere, with_recorded
+from generator.choice.verifying import Expected, HardCases
 from generator.choice.workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
     Candidate,
-    Expected,
     Workbench,
 )
 from generator.records.recipe import contest_of
@@ -78,7 +78,8 @@ def verify(bench: Workbench, candidates: Sequence[Candidate], expected: Expected
 
 def _thinned(expected: Expected) -> Expected:
     rows = slice(None, None, EMULATED)
-    euler, pooltool = expected.euler, expected.pooltool
+    labels, usual = expected.labels, len(expected.cases)
+    euler, pooltool, hard = expected.euler, expected.pooltool, expected.hard
     return replace(
         expected,
         cases=expected.cases[rows],
@@ -86,7 +87,8 @@ def _thinned(expected: Expected) -> Expected:
         euler=None if euler is None else euler[rows],
         pooltool=None if pooltool is None else pooltool[rows],
         reference_rows=len(range(0, expected.reference_rows, EMULATED)),
-        labels=expected.labels[rows],
+        hard=HardCases(hard.cases[rows], hard.exact[rows], hard.steep[rows]),
+        labels=(*labels[:usual][rows], *labels[usual:][rows]),
         key=f"{expected.key}, every {EMULATED}th",
     )
 

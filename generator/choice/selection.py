@@ -32,6 +32,8 @@ class Selected(BaseModel):
     ratio_to_baseline: float | None  # of time, or of modelled cycles
     ratio_ci: tuple[float, float] | None
     max_rel_error: float | None
+    # The largest error under the worst root estimates allowed; None: no estimate enters.
+    worst_estimate_error: float | None = None
     error_against: Literal["exact", "euler"]
     ties: list[str]
 

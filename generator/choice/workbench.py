@@ -2,38 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from generator.choice.store import Store, key_of
+from generator.choice.verifying import (
+    Expected,
+    HardCases,
+    Run,
+    broken,
+    verdict_of,
+    verdicts,
+    worst_verdict,
+)
+from generator.emission.isa import estimates_in
 from generator.emission.kernel_source import KernelSource, emit
-from generator.errors import KernelCrash, KernelError, KernelTimeout
+from generator.errors import KernelError
 from generator.records.evidence import Found, Timings
-from generator.scenes.scene import find_scene
+from generator.scenes.scene import Scene, find_scene
 from generator.targets.host import read_host
 from generator.targets.target import Target
 from generator.timing.bench_tool import BenchTool, Method
 from generator.timing.emulated import EmulatedRunner
 from generator.timing.plan import PlannedKernel, TimingPlan
 from generator.timing.ratios import TimingResult, TimingRun, timing_results, timing_run
-from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
+from generator.toolchain.build import BuildJob, BuiltLibrary, build, build_many, cache_key
 from generator.toolchain.compilers import Compiler, march_flags
 from generator.toolchain.flags import compile_flags
 from generator.toolchain.replay import Modelled
 from generator.variants.names import name_of, source_name_of
 from generator.variants.variant import Variant
-from generator.verification.errors import EXPECTED_COLUMNS, OUTCOME_COLUMNS, STICKS, Array
-from generator.verification.euler import FLIP_SHARE, euler_verdict
-from generator.verification.exact import exact_verdict
+from generator.verification.errors import EXPECTED_COLUMNS, Array
+from generator.verification.floors import rounding_of
+from generator.verification.hard_cases import (
+    NEIGHBOURS,
+    load_hard,
+    moved_by,
+    neighbours,
+)
 from generator.verification.reference import EULER_STEPS, load_reference
 from generator.verification.scene_cases import cases_for_scene
-from generator.verification.verdict import Verdict
+from generator.verification.verdict import Verdict, with_worst
+from generator.verification.worst_estimates import PATTERNS, at_worst
 
 Progress = Callable[[str, int, int], None]  # what, done, of
 
@@ -73,27 +91,16 @@ class Candidate:
         return self.variant.width > 1
 
     @property
+    def build_job(self) -> BuildJob:
+        return BuildJob(self.name, self.sources, self.compiler, self.flags)
+
+    @property
     def sources(self) -> dict[str, str]:
         return {
             "carom.h": self.source.header,
             "kernel.cpp": self.source.source,
             "probe.cpp": self.source.probe,
         }
-
-
-@dataclass(frozen=True)
-class Expected:
-    """Cases and what must come out of them, for one scene and model."""
-
-    scene: str
-    cases: Array
-    exact: Array
-    euler: Array | None  # None where nobody asks, or the scene has no fixed-step kernels
-    reference_rows: int  # how many of them are the committed reference
-    seed: int
-    labels: tuple[str, ...]  # what a reader calls each case: where it is from, id and kind
-    pooltool: Array | None  # what pooltool itself gives for the reference, where it can
-    key: str  # hash of all of this
 
 
 @dataclass
@@ -139,7 +146,7 @@ class Workbench:
 
     def compile(self, candidates: Sequence[Candidate]) -> None:
         """Build libraries in parallel; a failure rejects its candidate."""
-        jobs = [BuildJob(c.name, c.sources, c.compiler, c.flags) for c in candidates]
+        jobs = [c.build_job for c in candidates]
         done = 0
 
         def tick(job: BuildJob, _result: object) -> None:
@@ -160,17 +167,19 @@ class Workbench:
     def expected(
         self, scene: str, model: str, steps: int | None, seed: int, random: int
     ) -> Expected:
-        """The reference and random cases, adapted to the scene, with their answers."""
+        """The reference, random and kept hard cases, adapted to the scene, with their answers."""
         known = find_scene(scene)
         self.progress("computing expected results", 0, 1)
         made = self.tool.make_cases(seed, random, mixed=False)
         reference, pooltool, reference_rows = load_reference(), None, 0
         cases = cases_for_scene(known, np.vstack([reference.cases, made.rows]), model)
+        hard = self._hard(known, model)
         named = zip(reference.ids, reference.kinds, strict=True)
         adapted = "reference" if known.unrestricted else "adapted"
         labels = (
             *(f"{adapted} {i} ({kind})" for i, kind in named),
             *(f"random {i} ({kind})" for i, kind in enumerate(made.kinds)),
+            *(f"hard {i} ({kind})" for i, kind in enumerate(load_hard()[0])),
         )
         if known.unrestricted:
             reference_rows = len(reference.cases)
@@ -182,10 +191,27 @@ class Workbench:
             euler = self._oracle(cases, "euler", model, steps)
         self.progress("computing expected results", 1, 1)
         self.labels = labels
-        tables = (t if t is not None else "none" for t in (cases, exact, euler, pooltool))
+        every = (cases, exact, euler, pooltool, hard.cases, hard.exact, hard.steep)
         return Expected(
-            scene, cases, exact, euler, reference_rows, seed, labels, pooltool, key_of(*tables)
+            scene=scene,
+            cases=cases,
+            exact=exact,
+            euler=euler,
+            reference_rows=reference_rows,
+            seed=seed,
+            labels=labels,
+            pooltool=pooltool,
+            key=key_of(*(t if t is not None else "none" for t in every)),
+            hard=hard,
         )
+
+    def _hard(self, scene: Scene, model: str) -> HardCases:
+        """The kept hard cases in a scene, each with its neighbours asked for too."""
+        cases = cases_for_scene(scene, load_hard()[1], model)
+        rows = neighbours(cases)
+        exact = self._oracle(rows, "exact", model, 0, scene.mass_ratio)
+        steep = np.maximum(moved_by(rows, exact), rounding_of(cases))
+        return HardCases(cases, exact[::NEIGHBOURS], steep)
 
     def _oracle(
         self, cases: Array, method: Method, model: str, steps: int, mass_ratio: float = 1.0
@@ -209,6 +235,21 @@ class Workbench:
             self.progress("verifying", index, len(alive))
             self._verify_one(candidate, expected)
         self.progress("verifying", len(alive), len(alive))
+        self._verify_at_worst([c for c in alive if not c.rejected], expected)
+
+    def _verify_at_worst(self, candidates: Sequence[Candidate], expected: Expected) -> None:
+        """What held on this CPU, where it estimates roots, under the worst estimates allowed."""
+        shaky = [c for c in candidates if estimates_in(c.source.source)]
+        what = "verifying under the worst root estimates"
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            verdicts = pool.map(lambda c: self._worst_verdict(c, expected), shaky)
+            for index, (candidate, worst) in enumerate(zip(shaky, verdicts, strict=True)):
+                self.progress(what, index, len(shaky))
+                assert candidate.verdict is not None
+                candidate.verdict = with_worst(candidate.verdict, worst)
+                if not worst.passed:
+                    candidate.rejected = f"verification: {worst.reason}"
+        self.progress(what, len(shaky), len(shaky))
 
     def _verify_one(self, candidate: Candidate, expected: Expected) -> None:
         assert candidate.library is not None
@@ -219,56 +260,51 @@ class Workbench:
             candidate.variant.stepper.goal,
             self.kernel_timeout,
         )
-        kept = self.store.kept("verdicts", key, lambda: self._verdicts(candidate, expected))
-        candidate.verdict = _verdict_of(kept["oracle"])
+        library = candidate.library.path
+        kept = self.store.kept(
+            "verdicts",
+            key,
+            lambda: verdicts(self._runner(library), candidate.variant, expected),
+        )
+        candidate.verdict = verdict_of(kept["oracle"])
         against = "verification"
         if kept["pooltool"] is not None:
-            candidate.pooltool = _verdict_of(kept["pooltool"])
+            candidate.pooltool = verdict_of(kept["pooltool"])
         verdict = candidate.verdict
         if verdict.passed and candidate.pooltool is not None and not candidate.pooltool.passed:
             verdict, against = candidate.pooltool, "verification against euler_n1000.csv"
         if not verdict.passed:
             candidate.rejected = f"{against}: {verdict.reason}"
 
-    def _verdicts(self, candidate: Candidate, expected: Expected) -> dict[str, Any]:
-        """A verdict against the oracles, and one against pooltool's own figures."""
-        kept = self._verdicts_of_calls(candidate, expected, batch=False)
-        if not candidate.is_batch or not kept["oracle"]["passed"]:
-            return kept
-        return self._verdicts_of_calls(candidate, expected, batch=True)
+    def _worst_verdict(self, candidate: Candidate, expected: Expected) -> Verdict:
+        """From the store, or made now."""
+        job, variant = at_worst(candidate.build_job), candidate.variant
+        patterns = [asdict(pattern) for pattern in PATTERNS]
+        rules = verification_hash(), variant.stepper.goal, self.kernel_timeout
+        key = key_of(cache_key(job), expected.key, *rules, patterns)
 
-    def _verdicts_of_calls(
-        self, candidate: Candidate, expected: Expected, batch: bool
-    ) -> dict[str, Any]:
-        """The same for calls one by one, or of its batch function."""
-        assert candidate.library is not None
-        cases, steps = expected.cases, candidate.variant.stepper.steps
-        library, limit = candidate.library.path, self.kernel_timeout
-        try:
-            runner = self.emulated or self.tool
-            got = runner.run_kernel(library, cases, batch=batch, timeout=limit)
-        except KernelError as error:
-            broken = Verdict(
-                False, str(error), float("nan"), float("nan"), len(cases), ended=_ended(error)
+        def make() -> dict[str, Any]:
+            try:
+                library = build(job, self.cache / "kernels").path
+            except KernelError as error:
+                return broken(error, expected)
+            under = partial(self._runner, library)
+            return worst_verdict(under, variant, expected)
+
+        return verdict_of(self.store.kept("verdicts under worst estimates", key, make))
+
+    def _runner(self, library: Path, environment: Mapping[str, str] | None = None) -> Run:
+        """Runs cases through a library, one by one or as a batch."""
+
+        def run(cases: Array, batch: bool) -> Array:
+            limit = self.kernel_timeout
+            if self.emulated is not None:
+                return self.emulated.run_kernel(library, cases, batch=batch, timeout=limit)
+            return self.tool.run_kernel(
+                library, cases, batch=batch, timeout=limit, environment=environment
             )
-            return {"oracle": asdict(broken), "pooltool": None}
-        if steps is None:
-            budget = candidate.variant.stepper.budget
-            assert budget is not None
-            verdict = exact_verdict(cases, got, expected.exact, budget)
-            return {"oracle": asdict(verdict), "pooltool": None}
-        assert expected.euler is not None
-        verdict = euler_verdict(cases, got, expected.euler, expected.exact, steps)
-        theirs = None
-        if expected.pooltool is not None:
-            n = expected.reference_rows
-            marks = expected.euler[:n, STICKS:]
-            own = np.hstack([expected.pooltool[:, :OUTCOME_COLUMNS], marks])
-            share = FLIP_SHARE * len(cases) / n  # flips count over all cases, and all are counted
-            theirs = asdict(
-                euler_verdict(cases[:n], got[:n], own, expected.exact[:n], steps, share)
-            )
-        return {"oracle": asdict(verdict), "pooltool": theirs}
+
+        return run
 
     # -- time --
 
@@ -335,16 +371,6 @@ def verification_hash() -> str:
     """Hash of the rules of verification: a verdict holds only under the rules it was given by."""
     folder = Path(__file__).parents[1] / "verification"
     return key_of(*(path.read_text("utf-8") for path in sorted(folder.glob("*.py"))))
-
-
-def _ended(error: KernelError) -> Literal["", "crash", "timeout"]:
-    if isinstance(error, KernelTimeout):
-        return "timeout"
-    return "crash" if isinstance(error, KernelCrash) else ""
-
-
-def _verdict_of(document: dict[str, Any]) -> Verdict:
-    return Verdict(**{**document, "flips": tuple(document["flips"])})
 
 
 def _unique(candidates: Sequence[Candidate]) -> list[Candidate]:

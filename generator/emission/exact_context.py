@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from generator.emission.isa import Estimate, estimate, float_estimate
+from generator.emission.isa import Estimate, estimate, float_estimate, root_itself
 from generator.lowering.collision_ends import CollisionEnds, LevelForms, at_zero
 from generator.lowering.counts import OperationCounts
 from generator.lowering.exact_step import (
@@ -50,6 +50,7 @@ class ExactContext:
     root_newton: int | None
     split_roots: bool  # may what a root is multiplied by go in before its last correction?
     root_cubic: bool
+    estimates: bool  # is rsqrt_estimate an instruction's, where there is one?
     coarse: bool  # is the estimate so coarse that a root and a division do better than refining it?
     root_text: str
     tiny_square: str
@@ -217,8 +218,8 @@ def _roots(method: str, target: Target, real: str, lanes: bool) -> tuple[Estimat
             return float_estimate(target, newton, lanes)
         return estimate(target, newton)
 
-    if method == "inv":
-        return of(target, 0), None, ""
+    if method in ("inv", "ieee"):
+        return of(target, 0) if method == "inv" else root_itself(real), None, ""
     rounding = 2.0**-23 if real == "float" else 2.0**-52
     if method == "cubic":
         found = of(target, 0)
@@ -293,7 +294,8 @@ def _pressed_context(
         root_newton=newton,
         root_cubic=root == "cubic",
         split_roots=split_roots,
-        coarse=found.relative_error > 1e-3,
+        coarse=found.relative_error > 1e-3 or root == "ieee",
+        estimates=root != "ieee",
         root_text=text,
         tiny_square="1e-24" if floats else "1e-36",
         tiny_slip="1e-9" if floats else "1e-15",

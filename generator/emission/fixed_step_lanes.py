@@ -15,6 +15,7 @@ BLOCK = 1024  # collisions in a block, about
 # Lines of 2 / sqrt(n): the factor 2 saves a product and is undone in constants.
 _ROOTS = {
     "inv": ("return real(2.0) * x / sqrt(n);",),
+    "ieee": ("return real(2.0) * x / sqrt(n);",),
     "est1": (
         "const Real y = rsqrt_estimate(n);",
         "return x * y * fma(-n, y * y, real(3.0));",
@@ -87,7 +88,7 @@ def fixed_step_batch(variant: Variant, terms: ContactTerms, lanes: LaneContext) 
 
 
 def _root_text(root: str, lanes: LaneContext) -> str:
-    if root == "inv":
+    if root in ("inv", "ieee"):
         return ""
     error = lanes.estimate_error
     refined = max(refined_error(root, error), 2.0**-52)

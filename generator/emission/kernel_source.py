@@ -377,7 +377,10 @@ def _lanes(variant: Variant, target: Target) -> LaneContext:
     if exact and (reason := scene.without_exact_lanes):
         raise InputError(f"--scene {scene.name}: {reason}; expected width 1")
     fma = variant["fma"] == "fma"
-    return lane_context(target, variant.width, variant.vectors, fma, precision_of(variant))
+    estimates = variant["lane_root"] != "ieee"
+    return lane_context(
+        target, variant.width, variant.vectors, fma, precision_of(variant), estimates
+    )
 
 
 def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> OperationCounts:
@@ -475,6 +478,9 @@ def emit(
     data = (name, repr(naming), *_data_of(target), scene.model_dump_json())
     remake = command or f"./gen emit {name}"
     text = bannered("kernel.cpp.j2", name, remake, data, shown, grounds=grounds)
+    if line := isa.estimates_line(text):
+        context.contract += tuple(textwrap.wrap(line, 96))
+        text = bannered("kernel.cpp.j2", name, remake, data, shown, grounds=grounds)
     source = format_source(text, f"{name}.cpp")
     return KernelSource(
         variant=variant,

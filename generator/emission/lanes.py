@@ -59,6 +59,7 @@ class LaneContext:
     interleave: int  # vectors that are worked on in turn
     fma: bool  # is `fma` one instruction?
     rsqrt14: bool  # is there an estimate to 2^-14?
+    estimates: bool  # is rsqrt_estimate an instruction's? Else it is the root itself
     estimate_error: float  # relative, of rsqrt_estimate
     mask_type: str  # where masks are no vectors
     packed_bytes: int  # of a lane, as a shuffle takes them: 1 where it takes whole lanes
@@ -104,10 +105,12 @@ def lane_context(
     interleave: int = 1,
     fma: bool = True,
     precision: Precision = "double",
+    estimates: bool = True,
 ) -> LaneContext:
     """The vocabulary for vectors of `width` numbers. ValueError where the target has none.
 
-    `fma`: place fused multiply-adds, where the target has them. Floats come with their frame: half
+    `fma`: place fused multiply-adds, where the target has them; `estimates`: take the instructions
+    that estimate roots, where it has them. Floats come with their frame: half
     as many doubles, which hold what must not be rounded to float (positions, speeds, statuses).
     """
     wide = 8 if precision == "double" else 16
@@ -115,12 +118,14 @@ def lane_context(
     error = RSQRT14_ERROR if rsqrt14 else RSQRTSS_ERROR
     if target.has("neon"):
         error = FRSQRTE_ERROR
-    if target.has("simd128"):
+    if target.has("simd128") or not estimates:
         error = 2.0**-52 if precision == "double" else 2.0**-23  # the root itself
     found = set_for(target, width, precision)
     frame = None
     if precision == "float" and width > 1:
-        frame = replace(lane_context(target, width // 2, 1, fma), converts=True)
+        frame = replace(
+            lane_context(target, width // 2, 1, fma, "double", estimates), converts=True
+        )
     return LaneContext(
         name=found.name,
         number=NUMBERS[precision],
@@ -128,6 +133,7 @@ def lane_context(
         interleave=interleave,
         fma=fma and target.has("fma"),
         rsqrt14=rsqrt14,
+        estimates=estimates,
         estimate_error=error,
         mask_type=f"__mmask{width}" if found.name == "avx512" else "",
         packed_bytes=1 if found.name == "avx2" else 4,

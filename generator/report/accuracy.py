@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.choice.workbench import Expected
+from generator.choice.verifying import Expected
 from generator.report.measured import WorstInput
 from generator.timing.bench_tool import BenchTool
 from generator.verification.errors import (

@@ -7,12 +7,12 @@ from datetime import UTC, datetime
 
 import numpy as np
 
+from generator.choice.verifying import Expected
 from generator.choice.workbench import (
     TIMING_CASES,
     TIMING_SEED,
     VERIFY_RANDOM,
     VERIFY_SEED,
-    Expected,
     Workbench,
 )
 from generator.errors import KernelError

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from generator.choice.workbench import Candidate, Expected, Workbench
+from generator.choice.verifying import Expected
+from generator.choice.workbench import Candidate, Workbench
 from generator.report.accuracy import Accuracy, accuracy_of, kinds_of
 from generator.report.measured import CallPoint, GrowthPoint, Timed
 from generator.report.profile import Profile

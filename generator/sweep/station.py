@@ -9,11 +9,11 @@ from typing import Any
 from filelock import FileLock
 
 from generator.choice.store import key_of
+from generator.choice.verifying import Expected
 from generator.choice.workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
     Candidate,
-    Expected,
     Workbench,
     verification_hash,
 )

@@ -75,10 +75,16 @@ class BenchTool:
 
     executable: Path
 
-    def _run(self, command: str, *arguments: object, timeout: float = RUN_TIMEOUT) -> str:
+    def _run(
+        self,
+        command: str,
+        *arguments: object,
+        timeout: float = RUN_TIMEOUT,
+        environment: Mapping[str, str] | None = None,
+    ) -> str:
         """What the command prints."""
         words = [str(self.executable), command, *map(str, arguments)]
-        done = run(words, timeout)
+        done = run(words, timeout, environment=environment)
         require_space(done, Path(tempfile.gettempdir()))
         if done.code != 0:
             message = done.first_error if done.errors or done.output else ""
@@ -137,18 +143,20 @@ class BenchTool:
         in_place: bool = False,
         timeout: float = RUN_TIMEOUT,
         trace: Path | None = None,
+        environment: Mapping[str, str] | None = None,
     ) -> Array:
         """What a kernel makes of the cases, in rows of 13.
 
         `steps`: instead of its own; `batch`: through its batch function; `in_place`: the outcome
-        overwrites the input; `trace`: file for the blocks that ran (of toolchain.traces).
+        overwrites the input; `trace`: file for the blocks that ran (of toolchain.traces);
+        `environment`: variables for the process that runs it.
         """
         flags = ["--batch"] * batch + ["--in-place"] * in_place
         flags += [] if trace is None else ["--trace", str(trace)]
         options = ["--kernel", library, *([] if steps is None else ["--steps", steps]), *flags]
         with tempfile.TemporaryDirectory() as name:
             files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
-            self._run("run", *options, *files, timeout=timeout)
+            self._run("run", *options, *files, timeout=timeout, environment=environment)
             return _read(Path(name, "out"), OUTCOME_COLUMNS, len(cases))
 
     def threads(

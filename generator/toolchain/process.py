@@ -7,7 +7,7 @@ import os
 import resource
 import signal
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -37,9 +37,15 @@ class Finished:
 
 
 def run(
-    command: Sequence[str], timeout: float, cwd: Path | None = None, text: str = ""
+    command: Sequence[str],
+    timeout: float,
+    cwd: Path | None = None,
+    text: str = "",
+    environment: Mapping[str, str] | None = None,
 ) -> Finished:
     """Run a command with messages in English; at the time-out its whole process group is killed.
+
+    `environment`: variables beside those of this process.
 
     Raises KernelError where the program cannot be started, KernelTimeout where it takes longer than
     `timeout` seconds.
@@ -48,7 +54,7 @@ def run(
         process = subprocess.Popen(
             list(command),
             cwd=cwd,
-            env={**os.environ, "LC_ALL": "C"},
+            env={**os.environ, **(environment or {}), "LC_ALL": "C"},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

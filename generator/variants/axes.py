@@ -100,6 +100,7 @@ AXES: tuple[Axis, ...] = (
         est1="hardware estimate and one Newton step",
         est2="hardware estimate and two Newton steps",
         cubic="hardware estimate and one step of third order",
+        ieee="sqrt and division, in the control of steps too: no estimate, the same on every CPU",
     ),
     _axis(
         "fma",
@@ -145,6 +146,7 @@ AXES: tuple[Axis, ...] = (
         est2="hardware estimate and two Newton steps",
         inv="sqrt and division",
         est0="hardware estimate alone, in an exact stepper",
+        ieee="sqrt and division, wherever an estimate would do: the same on every CPU",
     ),
     _axis(
         "finished",

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from generator.scenes.scene import find_scene
 from generator.targets.target import Target
-from generator.variants.lane_numbers import allows_floats, precision_of, steps_in_doubles
+from generator.variants.lane_numbers import precision_of, steps_in_doubles
 from generator.variants.lanes import widths_of
-from generator.variants.roots import allows
+from generator.variants.roots import EXACT_ROOTS, allows, allows_floats
 from generator.variants.variant import Variant
 
 
@@ -41,7 +41,9 @@ def _roots_in_budget(v: Variant, target: Target) -> bool:
     if budget is None or scene.level:
         return True
     alone = allows(budget, v.model, v["root"], target, one_float=scene.precision == "float")
-    return alone and (v.width == 1 or allows(budget, v.model, v["lane_root"], target))
+    return alone and (
+        v.width == 1 or allows(budget, v.model, v["lane_root"], target, in_floats=_floats(v))
+    )
 
 
 RULES: tuple[Rule, ...] = (
@@ -176,17 +178,7 @@ RULES: tuple[Rule, ...] = (
     Rule(
         "lane-estimate-needs-hardware",
         "the target has no instruction that estimates a reciprocal square root",
-        lambda v, t: v.get("lane_root", "inv") != "inv" and not t.has_rsqrt_estimate,
-    ),
-    Rule(
-        "roots-within-budget",
-        "the root is off by more than the error budget allows: use a finer root or lane_root",
-        lambda v, t: not _roots_in_budget(v, t),
-    ),
-    Rule(
-        "lanes-of-steps-refine-roots",
-        "a thousand steps add up what an estimate alone is off by: use a finer lane_root",
-        _euler(lambda v: v.get("lane_root") == "est0"),
+        lambda v, t: v.get("lane_root", "inv") not in EXACT_ROOTS and not t.has_rsqrt_estimate,
     ),
     Rule(
         "floats-in-place-of-doubles",
@@ -197,6 +189,16 @@ RULES: tuple[Rule, ...] = (
         "floats-within-budget",
         "floats round by more than the error budget allows: use numbers=own",
         lambda v, _t: _floats(v) and not allows_floats(v.stepper.budget or 0.0, v.model),
+    ),
+    Rule(
+        "roots-within-budget",
+        "the root is off by more than the error budget allows: use a finer root or lane_root",
+        lambda v, t: not _roots_in_budget(v, t),
+    ),
+    Rule(
+        "lanes-of-steps-refine-roots",
+        "a thousand steps add up what an estimate alone is off by: use a finer lane_root",
+        _euler(lambda v: v.get("lane_root") == "est0"),
     ),
     Rule(
         "pairs-need-stages",

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from generator.choice.batches import batch_job
-from generator.choice.choose import selected
+from generator.choice.choose import found_errors, selected
 from generator.choice.folder import checked_selection, file_of
 from generator.choice.job import STEPS, exact_job, fixed_step_job, verify
 from generator.choice.lookup import Goal
@@ -149,17 +149,17 @@ def _stepped(
         "file": file_of(name_of(variant)),
         "steps": steps,
         "ties": [],
-        "max_rel_error": _error_of(variant, request, target, bench, host),
+        **_errors_of(variant, request, target, bench, host),
     }
     return entry.model_copy(update=update)
 
 
-def _error_of(
+def _errors_of(
     variant: Variant, request: VendorRequest, target: Target, bench: Workbench, host: Host
-) -> float | None:
-    """The largest error that verification finds; None where the kernel cannot run here."""
+) -> dict[str, float | None]:
+    """The largest errors that verification finds; None where the kernel cannot run here."""
     if not host.runs(target) and bench.emulated is None:
-        return None
+        return {"max_rel_error": None, "worst_estimate_error": None}
     candidate = bench.prepare([variant], target)[0]
     bench.compile([candidate])
     steps = variant.stepper.steps
@@ -167,7 +167,7 @@ def _error_of(
     verify(bench, [candidate], expected)
     if candidate.rejected or candidate.verdict is None:
         raise KernelError(f"{candidate.name}: {candidate.rejected}")
-    return float(f"{candidate.verdict.max_rel_error:.3g}")
+    return found_errors(candidate.verdict)
 
 
 def _store(places: Places, request: VendorRequest, target: str, made: TargetKernels) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -29,12 +29,25 @@ class Verdict:
     sticking: int = 0  # cases that were compared with the exact result instead
     max_sticking_rel_error: float = 0.0  # of those, against the exact result
     ended: Literal["", "crash", "timeout"] = ""  # before there was any result
+    worst_estimate_error: float | None = None  # largest relative; None: no estimate enters
+
+    @property
+    def largest_error(self) -> float:
+        """Relative, on this CPU or under the worst root estimates."""
+        return max(self.max_rel_error, self.worst_estimate_error or 0.0)
 
 
 def failed(reason: str, errors: Errors, case: int, flips: tuple[int, ...] = ()) -> Verdict:
     """A verdict of failure that names the case."""
     largest = float(errors.absolute.max()), float(errors.relative.max())
     return Verdict(False, f"case {case}: {reason}", *largest, len(errors.absolute), flips, case)
+
+
+def with_worst(native: Verdict, worst: Verdict) -> Verdict:
+    """A verdict found on this CPU, and the one under the worst root estimates, as one."""
+    if not worst.passed:
+        return worst
+    return replace(native, worst_estimate_error=worst.max_rel_error)
 
 
 def worst_of(errors: Array, among: Mask) -> int | None:

@@ -10,7 +10,7 @@ from generator.choice.modelling import lanes_in_flight
 from generator.errors import KernelError
 from generator.targets.host import read_host
 from generator.targets.target import find_target
-from generator.variants.lane_numbers import allows_floats
+from generator.variants.roots import allows_floats
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, make_variant
 from generator.verification.errors import STATUS
@@ -68,8 +68,8 @@ def _variant(target, width, model, steps, options):
 def _exact(target, width, model, tableau, budget, options, scene="any"):
     stepper = Stepper(tableau, budget=budget)
     made = make_variant(target, scene, model, stepper, width, **options)
-    if made["numbers"] == "float" and not allows_floats(budget, model):  # `pooltool`: from 7.2e-6
-        return _exact(target, width, model, tableau, 7.5e-6, options, scene)
+    if made["numbers"] == "float" and not allows_floats(budget, model):  # `pooltool`: from 2.2e-5
+        return _exact(target, width, model, tableau, 2.5e-5, options, scene)
     if broken_rule(made, find_target(target)) is None:
         return made
     return made.with_options(root="cubic", lane_root="cubic")  # `pooltool` needs finer ones
