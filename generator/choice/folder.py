@@ -77,7 +77,7 @@ def files_of(selection: Selection) -> dict[str, str]:
     files = {FILE: selection.text()}
     for entry in selection.kernels:
         variant = variant_of(entry.kernel)
-        source = emit(variant, grounds=entry.evidence)
+        source = emit(variant, grounds=entry.grounds)
         files[entry.file] = source.source
         files["carom.h"] = source.header
     return dict(sorted(files.items()))

@@ -37,6 +37,14 @@ class Selected(BaseModel):
     error_against: Literal["exact", "euler"]
     ties: list[str]
 
+    @property
+    def grounds(self) -> str:
+        """For a banner: what the choice rests on, and what it was held to."""
+        if self.worst_estimate_error is None:
+            return self.evidence
+        worst = f"largest error under the worst root estimates {self.worst_estimate_error:g}"
+        return "; ".join(text for text in (self.evidence, worst) if text)
+
 
 class Selection(BaseModel):
     """The file: entries sorted by model, stepper and width."""

@@ -41,7 +41,7 @@ def _kernel(name: str) -> str:
     file = f"{source_name_of(variant)}.cpp"
     chosen = [entry for entry in selection.kernels if entry.file == file] if selection else []
     try:
-        return emitted(variant, grounds=chosen[0].evidence if chosen else "").source
+        return emitted(variant, grounds=chosen[0].grounds if chosen else "").source
     except ValueError as error:
         raise InputError(f"{name}: {error}") from None
 
