@@ -61,10 +61,15 @@ def _with_recorded_lanes(
     contest = contest_of(variants[0], batch=True).split("/", 1)[1]
     found = [*variants]
     for fast in bench.timings.fastest(contest, target.name, MORE):
-        lanes = {key: code for key, code in fast.options if axis(key).lanes}
-        known = {"compiler": fast["compiler"], "fma": fast["fma"]}
-        found.append(replace(single, stepper=fast.stepper).in_lanes(fast.width, **known, **lanes))
+        found.append(in_lanes_of(fast, single))
     return legal_here(bench, found, target)
+
+
+def in_lanes_of(fast: Variant, single: Variant) -> Variant:
+    """The lanes of one kernel about the single calls of another."""
+    lanes = {key: code for key, code in fast.options if axis(key).lanes}
+    known = {"compiler": fast["compiler"], "fma": fast["fma"]}
+    return replace(single, stepper=fast.stepper).in_lanes(fast.width, **known, **lanes)
 
 
 def _model(bench: Workbench, some: Sequence[Candidate], target: Target, scene: str) -> None:

@@ -19,6 +19,7 @@ from generator.cli.sweep_run import say_too_short
 from generator.errors import InputError
 from generator.files import require_place
 from generator.places import cache_folder
+from generator.records.evidence import read_timings
 from generator.records.files import timings_path
 from generator.scenes.models import MODELS, find_model
 from generator.steppers.budgets import plan_for
@@ -104,4 +105,5 @@ def _plan(target: Target, budgets: tuple[float, ...], minutes: float) -> Plan:
         exhaustive=False,
         minutes=minutes,
         trials=None,
+        timings=read_timings(ROOT, lambda line: Console(stderr=True).print(f"carom: {line}")),
     )

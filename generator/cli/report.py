@@ -50,9 +50,11 @@ def report(
     seconds: float,
 ) -> None:
     """Lay out a stored sweep and what was measured as one page; its data goes beside as JSON."""
-    from generator.cli.session import resolve_target
+    from generator.cli.session import ROOT, resolve_target
     from generator.files import require_place, write_file
     from generator.places import cache_folder
+    from generator.records.evidence import read_timings
+    from generator.report.cpus import cpu_costs
     from generator.report.gather import gather
     from generator.report.measured import measured_path, read_measured
     from generator.report.page import json_of, render
@@ -83,7 +85,9 @@ def report(
     commands += [measured.command] if measured else []
     where = f" --store {store}" if store else ""
     commands.append(f"./gen report{options}{where} --out {out.name}")
-    made = gather(resolved.name, scene, known, host.cpu, stored, measured, commands)
+    timings = read_timings(ROOT, lambda line: click.echo(f"carom: {line}", err=True))
+    costs = cpu_costs(timings, scene, known)
+    made = gather(resolved.name, scene, known, host.cpu, stored, measured, commands, costs)
     page = render(made)
     write_file(data, json_of(made) + "\n")
     write_file(out, page)

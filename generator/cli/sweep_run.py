@@ -20,6 +20,7 @@ from generator.cli.session import ROOT, resolve_target, workbench
 from generator.cli.sweep_display import SweepDisplay, displayed, say_outcomes, say_verified
 from generator.errors import InputError
 from generator.places import cache_folder
+from generator.records.evidence import read_timings
 from generator.scenes.models import find_model
 from generator.scenes.scene import find_scene
 from generator.steppers.budgets import plan_for
@@ -108,6 +109,7 @@ def _plan(
         exhaustive=asked.exhaustive,
         minutes=asked.minutes,
         trials=asked.trials,
+        timings=read_timings(ROOT, lambda line: Console(stderr=True).print(f"carom: {line}")),
     )
 
 

@@ -216,6 +216,18 @@ class MissRow:
 
 
 @dataclass(frozen=True)
+class CpuCost:
+    """What a kernel that one CPU's records choose takes on another, of the fastest there."""
+
+    contest: str  # without its target
+    made_for: str
+    timed_on: str
+    recipe: str
+    cost: float | None  # None: that CPU has not timed it
+    records: int  # recipes that it has timed
+
+
+@dataclass(frozen=True)
 class PublishedRow:
     """A row of the report (Li, Egger, Ruff, Pfingsten) beside ours, on its five cases."""
 
@@ -253,6 +265,7 @@ class Report:
     published: tuple[PublishedRow, ...]
     commands: tuple[str, ...]
     missing: dict[str, str] = field(default_factory=dict)
+    cpus: tuple[CpuCost, ...] = ()
 
     def document(self) -> dict[str, Any]:
         """As JSON can hold it: numbers that are not finite become null."""

@@ -13,6 +13,7 @@ from generator.report import contests as from_trials
 from generator.report.chosen import chosen_of, points_of
 from generator.report.data import (
     Contest,
+    CpuCost,
     GrowthFit,
     KindCell,
     KindRow,
@@ -31,6 +32,7 @@ from generator.sweep.record import Final, Run, Trial
 from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
 
 NOT_MEASURED = "not measured yet: ./gen report --measure"
+NO_RECORDS = "no CPU has records of it in timings/: ./gen results refresh"
 NO_SWEEP = "no sweep is stored for it: ./gen sweep"
 
 
@@ -51,6 +53,7 @@ def gather(
     stored: Stored,
     measured: Measured | None,
     commands: Sequence[str],
+    costs: Sequence[CpuCost] = (),
 ) -> Report:
     """All that is known; `missing` names what is not and the command that would make it known."""
     contests = from_trials.contests_of(stored.trials, stored.finals)
@@ -84,7 +87,8 @@ def gather(
         calls=calls,
         published=tuple(published_rows(measured, calls)),
         commands=tuple(commands),
-        missing=missing,
+        missing=missing if costs else {**missing, "cpus": NO_RECORDS},
+        cpus=tuple(costs),
     )
 
 

@@ -42,6 +42,12 @@ class Contest:
         goal = f"n{self.steps}" if self.steps is not None else f"e{self.budget:g}"
         return f"{self.target}/{self.scene}/{self.model}/{goal}/{self.call}"
 
+    @property
+    def question(self) -> str:
+        """As records name it, without the target."""
+        goal = self.steppers()[0].goal
+        return f"{self.scene}/{self.model}/{goal}/{self.call}"
+
     def steppers(self) -> tuple[Stepper, ...]:
         if self.steps is not None:
             return (Stepper("euler", steps=self.steps),)

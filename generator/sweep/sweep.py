@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from random import Random
 
+from generator.choice.batches import in_lanes_of
 from generator.choice.candidates import (
     baseline,
     batch_candidates,
@@ -15,8 +16,10 @@ from generator.choice.candidates import (
     fixed_step_candidates,
 )
 from generator.choice.lookup import Goal, default_kernel
+from generator.choice.recorded import MORE
 from generator.choice.workbench import Candidate
 from generator.errors import InputError, KernelError
+from generator.records.evidence import Timings
 from generator.sweep.explore import Budget, Exploration, Observer
 from generator.sweep.finals import choose, row_of
 from generator.sweep.lab import Lab
@@ -47,6 +50,7 @@ class Plan:
     exhaustive: bool
     minutes: float | None
     trials: int | None
+    timings: Timings = field(default_factory=Timings)  # whose fastest are tried first
 
     def space(self, contest: Contest) -> Space:
         """What may be tried in a contest."""
@@ -113,9 +117,10 @@ def _baseline(plan: Plan, contest: Contest, lab: Lab) -> Candidate:
 
 
 def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
-    """The main job's candidates, those that may be chosen first."""
+    """What was fastest on the CPU before, then the main job's candidates, -Ofast last."""
+    recorded = plan.timings.fastest(contest.question, plan.target.name, MORE)
     if contest.call == "batch":
-        return _seeds_in_lanes(plan, contest)
+        return _seeds_in_lanes(plan, contest, recorded)
     target, scene, model = plan.target, contest.scene, contest.model
     if contest.steps is not None:
         known = fixed_step_candidates(target, scene, model, contest.steps, plan.compilers)
@@ -123,10 +128,10 @@ def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
         assert contest.budget is not None
         known = exact_candidates(target, scene, model, contest.budget, plan.compilers)
     known.sort(key=lambda variant: variant["flags"] != "strict")
-    return known
+    return [*recorded, *known]
 
 
-def _seeds_in_lanes(plan: Plan, contest: Contest) -> list[Variant]:
+def _seeds_in_lanes(plan: Plan, contest: Contest, recorded: Sequence[Variant]) -> list[Variant]:
     """The kernels used before anything was timed, as the main job puts them in lanes.
 
     One of each stepper in turn.
@@ -134,8 +139,9 @@ def _seeds_in_lanes(plan: Plan, contest: Contest) -> list[Variant]:
     goal = Goal(steps=contest.steps, budget=contest.budget)
     first = default_kernel(plan.target, contest.scene, contest.model, goal)
     singles = [replace(first, stepper=stepper) for stepper in contest.steppers()]
+    fast = [in_lanes_of(one, first) for one in recorded]
     each = (batch_candidates(one, plan.target, plan.compilers) for one in singles)
-    return [v for some in itertools.zip_longest(*each) for v in some if v is not None]
+    return fast + [v for some in itertools.zip_longest(*each) for v in some if v is not None]
 
 
 def run_sweep(

@@ -18,6 +18,7 @@ from generator.cli.main import gen
 from generator.records.evidence import Found, key_of_kernel, read_timings, timings_of, told
 from generator.records.files import read_records, timings_path, union, write_records
 from generator.records.recipe import contest_of, recipe_of, variant_of_recipe
+from generator.report.cpus import cpu_costs
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.replay import Modelled
@@ -235,3 +236,28 @@ def test_the_banner_says_what_a_choice_rests_on_and_emit_gives_the_same_bytes(
     assert f"// chosen:   {entry.evidence}\n" in text
     monkeypatch.setattr("generator.cli.session.ROOT", tmp_path)
     assert CliRunner().invoke(gen, ["emit", entry.file]).stdout == text
+
+
+def test_a_page_says_what_the_kernel_chosen_for_one_cpu_costs_on_another() -> None:
+    contest = "any/pooltool/e1m06/scalar"
+    rows = [("zen3", "dp54 x1", 0.02), ("zen3", "dp54 x1 root=est1", 0.03)]
+    rows += [("zen4", "dp54 x1", 0.05), ("zen4", "dp54 x1 root=est1", 0.04)]
+    rows += [("zen4", "dp54 x1 root=cubic compiler=clang", 0.0399)]
+    records = [
+        BASE.model_copy(
+            update={
+                "contest": f"{cpu}/{contest}",
+                "recipe": recipe,
+                "ratio": ratio,
+                "cpu": BASE.cpu.model_copy(update={"target": cpu}),
+            }
+        )
+        for cpu, recipe, ratio in rows
+    ]
+    costs = cpu_costs(timings_of(records), "any", "pooltool")
+    found = {(c.made_for, c.timed_on): (c.recipe, c.cost, c.records) for c in costs}
+    print(found)
+    assert found["zen3", "zen3"] == ("dp54 x1", 1.0, 2)
+    assert found["zen3", "zen4"] == ("dp54 x1", 0.05 / 0.0399, 3)
+    assert found["zen4", "zen3"] == ("dp54 x1 root=est1", 0.03 / 0.02, 2)
+    assert cpu_costs(timings_of(records), "any", "mathavan2014") == []

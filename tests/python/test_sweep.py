@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
+from kernels import ROOT
 from rich.console import Console
 from sweep_lab import BATCH, EXACT, EXACT_BATCH, FIXED, ZEN3, FakeLab, landscape, plan, swept
 from sweep_records import trial as timed_trial
@@ -23,7 +24,7 @@ import generator.variants.axes as axes_module
 from generator.cli.interrupts import kept
 from generator.cli.sweep_display import say_outcomes
 from generator.errors import InputError, KernelCrash
-from generator.records.evidence import NEGLIGIBLE
+from generator.records.evidence import NEGLIGIBLE, read_timings
 from generator.sweep.finals import beaten_by, row_of
 from generator.sweep.ladder import KEPT, RUNGS, Entry, finalists, promoted
 from generator.sweep.recheck import verify_choice
@@ -578,3 +579,15 @@ def test_a_contest_that_was_not_tried_has_not_failed(tmp_path: Path) -> None:
     console = Console(record=True, width=200)
     say_outcomes(console, outcomes, ledger)
     assert "nothing was tried" in console.export_text()
+
+
+def test_what_was_fastest_on_the_cpu_before_is_tried_first(tmp_path: Path) -> None:
+    timings = read_timings(ROOT)
+    with opened(tmp_path / "s.sqlite") as store:
+        lab = FakeLab()
+        asked = plan(FIXED, trials=8, only={"compiler": ("gcc",)}, timings=timings)
+        swept(store, lab, asked)
+    first = timings.fastest("any/pooltool/n1000/scalar", "zen3", 6)
+    gcc = [name_of(v) for v in first if v["compiler"] == "gcc"]
+    print(gcc)
+    assert gcc and [kernels[1] for kernels in lab.timed[: len(gcc)]] == gcc
