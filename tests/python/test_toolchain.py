@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import subprocess
 import sys
 import textwrap
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from generator.errors import KernelError
+from generator.errors import KernelError, KernelTimeout
 from generator.targets.target import find_target
 from generator.toolchain import build as build_module
 from generator.toolchain import compilers as compilers_module
@@ -142,6 +143,19 @@ def test_a_command_without_end_is_killed():
         run(["sleep", "30"], 0.2)
     with pytest.raises(KernelError, match="cannot run /no/such"):
         run(["/no/such"], 1)
+
+
+def test_a_limit_of_time_is_of_time_that_a_program_had_for_itself():
+    """One that computes is killed at the limit; one that a busy machine holds up is waited for."""
+    held_up = run(["sh", "-c", "read line; sleep 1; echo $line"], 0.3, text="a word\n")
+    assert (held_up.code, held_up.output) == (0, "a word\n")
+    before = os.times()
+    with pytest.raises(KernelTimeout, match=r"sh took longer than 1 s"):
+        run(["sh", "-c", "while :; do :; done"], 1.0)
+    after = os.times()
+    spent = after.children_user - before.children_user
+    print(f"killed after {spent:.2f} s of its own time; the limit is 1 s")
+    assert 0.5 <= spent < 5
 
 
 def test_a_missing_compiler_is_named_with_its_package():
