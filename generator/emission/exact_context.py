@@ -34,6 +34,7 @@ from generator.variants.variant import Variant
 MOST_STEPS = 4000
 _DX, _DZ, _DQ = sp.symbols("d_x d_z dq")
 _TAIL_DX, _TAIL_DZ, _TAIL_TX, _TAIL_TY = sp.symbols("d_tail_x d_tail_z t_tail_x t_tail_y")
+STACK = 28 << 10  # bytes that a function of a batch may hold in arrays: carom.h promises 32 KiB
 SLIPS_BEFORE = ("c_x", "c_z", "s1x", "s1y", "s2x", "s2y", "v_n")
 
 
@@ -90,15 +91,14 @@ class ExactContext:
     most_steps: int = MOST_STEPS
     huge: str = "1e30"
     tiny_error: float = 1e-72  # far below every square of an error
-    no_friction: float = 0.0  # u_b up to this is none
+    no_friction: float = 1e-30  # u_b up to this is none
     tiny_friction: float = 1e-36  # added to u_b where it is divided by; it moves nothing
     gains: bool = False  # are changes of slips added up beside them (float, or a tight budget)?
     scaled: bool = True  # are speeds scaled (they are where they may be any)?
     one_table: bool = False  # is table friction the same for both balls?
     other: ExactContext | None = None  # unequal masses: as this one (ball 2 pressed), for ball 1
     width: int = 1
-    slots: int = 1024  # collisions in a block of a batch
-    wave: int = 8  # vectors under way in a batch
+    lane_bytes: int = 8  # of a vector in flight
     together: int = 1  # vectors whose steps are made at once
     batch: ExactContext | None = None  # the same in lanes
 
@@ -125,6 +125,19 @@ class ExactContext:
             "slot",
             "turns",
         )
+
+    @property
+    def wave(self) -> int:
+        """Vectors under way in a batch: as many as the stack has room for between two waves."""
+        room = STACK // (2 * len(self.flight_fields) * self.lane_bytes)
+        return max(1, min(6, room - 2))
+
+    @property
+    def groups(self) -> int:
+        """Vectors of collisions that may wait for those of them that take long."""
+        lanes = self.lane_bytes // (4 if self.real == "float" else 8)
+        kept = len(self.results) * self.lane_bytes + 16 * lanes  # and status, distance in double
+        return STACK // kept
 
     @property
     def results(self) -> tuple[str, ...]:
@@ -321,8 +334,7 @@ def _pressed_context(
         tail_steps=lowering.tail().lines if table else (),
         kept=lowering.kept() if lanes and variant.paired else (),
         together=2 if variant.paired else 1,
-        wave=6 if variant.paired else 8,
-        slots=2048 if floats else 1024,  # as many bytes
+        lane_bytes=variant.width * variant.vectors * (4 if floats else 8) if lanes else 8,
         extra_stages=lowering.extra_stages() if table else (),
         dense_work=lowering.dense(("t_y", "j")).lines if table else (),
         dense_contact=lowering.dense(("d_x", "d_z", "t_x")).lines if table else (),
@@ -336,7 +348,7 @@ def _pressed_context(
         slip_names=tuple(SLIPS) if table else CONTACT,
         impulse_names=tuple(IMPULSES) if table else RUBBING,
         tiny_error=1e-36 if floats else 1e-72,
-        no_friction=1e-9 if floats else 0.0,
+        no_friction=1e-9 if floats else 1e-30,
         tiny_friction=1e-9 if floats else 1e-36,
         gains=gains,
         scaled=scaled,

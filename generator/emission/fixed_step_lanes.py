@@ -11,7 +11,6 @@ from generator.mechanics.terms import ContactTerms
 from generator.variants.roots import refined_error
 from generator.variants.variant import Variant
 
-BLOCK = 1024  # collisions in a block, about
 # Lines of 2 / sqrt(n): the factor 2 saves a product and is undone in constants.
 _ROOTS = {
     "inv": ("return real(2.0) * x / sqrt(n);",),
@@ -37,8 +36,8 @@ _ROOTS = {
 class FixedStepBatch:
     """Numbers and lines of templates/fixed_step/lanes, there called `b`."""
 
-    groups: int
     refill_at: int
+    chatter_at: int
     root: tuple[str, ...]
     root_text: str
     before: tuple[str, ...]  # the slips and v_n of a contact
@@ -66,8 +65,8 @@ def fixed_step_batch(variant: Variant, terms: ContactTerms, lanes: LaneContext) 
     finished = variant["finished"]
     taken, taken_s = low.most_taken()
     return FixedStepBatch(
-        groups=1 if finished == "masked" else max(1, BLOCK // lanes.whole),
         refill_at=max(1, lanes.whole // 8) if finished == "refilled" else lanes.whole,
+        chatter_at=1 if finished == "masked" else lanes.whole,
         root=_ROOTS[variant["lane_root"]],
         root_text=_root_text(variant["lane_root"], lanes),
         before=low.before().lines,
