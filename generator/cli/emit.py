@@ -37,9 +37,10 @@ def _kernel(name: str) -> str:
     from generator.variants.names import source_name_of, variant_named
 
     variant = variant_named(name)
-    selection = read_selection(ROOT / "generated" / variant.target / variant.scene)
+    places = (ROOT / "generated" / target for target in (variant.target, "native"))
+    found = [s for place in places if (s := read_selection(place / variant.scene)) is not None]
     file = f"{source_name_of(variant)}.cpp"
-    chosen = [entry for entry in selection.kernels if entry.file == file] if selection else []
+    chosen = [entry for s in found for entry in s.kernels if entry.file == file]
     try:
         return emitted(variant, grounds=chosen[0].grounds if chosen else "").source
     except ValueError as error:

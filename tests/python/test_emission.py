@@ -234,7 +234,10 @@ def test_banner_names_its_makers_and_nothing_of_this_machine(name: str) -> None:
 
 def test_the_command_of_a_banner_makes_the_file_again(tmp_path: Path) -> None:
     """As a shell runs it: the bytes that the main job writes, on standard output or in a file."""
-    source, out = emit(variant_of(f"{EXACT}.clang.strict")), tmp_path / "again"
+    selection, out = read_selection(ROOT / "generated" / "zen3" / "any"), tmp_path / "again"
+    assert selection is not None
+    entry = next(entry for entry in selection.kernels if entry.stepper != "euler")
+    source = emit(variant_of(entry.kernel), grounds=entry.grounds)
     for text, more in ((source.source, []), (source.header, ["--out", str(out)])):
         done = subprocess.run(
             [sys.executable, "-P", "-m", "generator", *remake_of(text), *more],
