@@ -50,7 +50,9 @@ def _require_columns(header: list[str], path: Path) -> None:
     """Raise InputError where the first row does not name every column once."""
     wanted = ("id", *CASE_NAMES)
     if not any(header):
-        raise InputError(f"{path}: row 1: is empty; expected id,{','.join(CASE_NAMES)}")
+        raise InputError(
+            f"{path}: row 1: is empty, no column id; expected id,{','.join(CASE_NAMES)}"
+        )
     for mark, name in _OTHER_SEPARATORS.items():
         words = {word.strip(' "') for word in ",".join(header).split(mark)}
         if not words.isdisjoint(CASE_NAMES) and set(header).isdisjoint(CASE_NAMES):
