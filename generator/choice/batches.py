@@ -8,7 +8,7 @@ from dataclasses import replace
 from generator.choice.candidates import batch_candidates
 from generator.choice.choose import Choice, choose_by_time
 from generator.choice.job import STEPS, verify
-from generator.choice.modelling import model_all, model_loop
+from generator.choice.modelling import model_all
 from generator.choice.recorded import MORE, choose_elsewhere, legal_here
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
 from generator.records.recipe import contest_of
@@ -48,7 +48,7 @@ def batch_job(
         return candidates, candidates[0], choose_by_time(wide, run, host)
 
     def model(some: Sequence[Candidate]) -> None:
-        _model(bench, some, target, scene)
+        model_all(bench, some, target, bench.batch_cases(scene, single.variant.model))
 
     choice = choose_elsewhere(bench, wide, candidates[0], target, True, model)
     return candidates, candidates[0], choice
@@ -70,16 +70,3 @@ def in_lanes_of(fast: Variant, single: Variant) -> Variant:
     lanes = {key: code for key, code in fast.options if axis(key).lanes}
     known = {"compiler": fast["compiler"], "fma": fast["fma"]}
     return replace(single, stepper=fast.stepper).in_lanes(fast.width, **known, **lanes)
-
-
-def _model(bench: Workbench, some: Sequence[Candidate], target: Target, scene: str) -> None:
-    """Lanes by a batch that they run, those of fixed steps by their loop; all others by calls."""
-    model = some[0].variant.model
-    alone = [c for c in some if not c.is_batch]
-    model_all(bench, alone, target, bench.timing_cases(scene, model))
-    wide = [c for c in some if c.is_batch and not c.rejected]
-    if all(c.variant.stepper.family == "exact" for c in wide):
-        model_all(bench, wide, target, bench.batch_cases(scene, model))
-    else:
-        for candidate in wide:
-            model_loop(bench, candidate, target)

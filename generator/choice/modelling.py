@@ -23,15 +23,17 @@ from generator.errors import KernelError
 from generator.targets.target import Target
 from generator.toolchain.build import build
 from generator.toolchain.mca import McaReport, analyse, assembly_of, require_mca
-from generator.toolchain.replay import Modelled, replayed_cycles
+from generator.toolchain.replay import REPLAYED, Modelled, replayed_cycles
 from generator.toolchain.traces import TracedKernel, traced
 from generator.variants.lane_numbers import precision_of
 from generator.variants.variant import Variant
 from generator.verification.errors import Array
 
-EXACT_CASES = 64  # of the mixed set that kernels are timed on
+# Of the mixed set that kernels are timed on. All their steps are recorded: with fewer, longer steps
+# other checks fail.
+EXACT_CASES = 256
 FIXED_CASES = 32
-FIXED_STEPS = 100  # instead of N: steps are alike, and N of them would take minutes
+FIXED_CASES_IN_LANES = 64
 
 
 def model_all(
@@ -60,18 +62,24 @@ def modelled(bench: Workbench, candidate: Candidate, target: Target, cases: Arra
     kernel = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
     probe = {"probe.cpp": candidate.sources["probe.cpp"]}
     compiler, flags = candidate.compiler, candidate.flags
-    steps, wide = candidate.variant.stepper.steps, candidate.variant.width > 1
+    wide = candidate.variant.width > 1
     chosen = _batch_of(cases) if wide else cases
-    chosen = chosen[: FIXED_CASES if steps and not wide else EXACT_CASES]
+    chosen = chosen[: _count(candidate.variant)]
 
     def make() -> dict[str, Any]:
         library = traced(kernel, probe, compiler, flags, candidate.name, target.row.arch)
-        return asdict(replayed(bench, library, target, chosen, steps, wide))
+        return asdict(replayed(bench, library, target, chosen, wide))
 
     texts = sorted(candidate.sources.items())
     tools = (compiler.version, flags, require_mca().version, bench.tool.executable.name)
-    key = key_of(texts, tools, target.row.mca_cpu, chosen, steps, wide, FIXED_STEPS)
+    key = key_of(texts, tools, target.row.mca_cpu, chosen, wide, REPLAYED)
     return Modelled(**bench.store.kept("llvm-mca figures", key, make))
+
+
+def _count(variant: Variant) -> int:
+    if variant.stepper.steps is None:
+        return EXACT_CASES
+    return FIXED_CASES_IN_LANES if variant.width > 1 else FIXED_CASES
 
 
 def _batch_of(cases: Array) -> Array:
@@ -90,24 +98,20 @@ def replayed(
     kernel: TracedKernel,
     target: Target,
     cases: Array,
-    steps: int | None,
     batch: bool = False,
 ) -> Modelled:
-    """What the kernel's run of the cases takes on the target; `batch`: in one call, all steps."""
+    """What the kernel's run of the cases takes on the target; `batch`: in one call."""
     library = build(kernel.job, bench.cache / "kernels")
     with tempfile.TemporaryDirectory() as folder:
         trace = Path(folder, "trace")
-        fewer = None if steps is None or batch else min(steps, FIXED_STEPS)
         runner = bench.emulated or bench.tool
-        runner.run_kernel(library.path, cases, steps=fewer, batch=batch, trace=trace)
+        runner.run_kernel(library.path, cases, batch=batch, trace=trace)
         ran = kernel.instructions(trace)
-    times = 1.0 if steps is None or fewer is None else steps / fewer
     return Modelled(
         cpu=target.row.mca_cpu,
-        cycles=times * replayed_cycles(ran, target) / len(cases),
-        instructions=times * len(ran) / len(cases),
+        cycles=replayed_cycles(ran, target) / len(cases),
+        instructions=len(ran) / len(cases),
         cases=len(cases),
-        steps=fewer,
         version=require_mca().version,
     )
 
@@ -157,24 +161,3 @@ def frame_cycles(variant: Variant, target: Target, bound: Callable[[str], float]
 def lanes_in_flight(variant: Variant) -> int:
     """Lanes of all vectors that a pass of the marked loop works on in turn."""
     return variant.width * (2 if variant.paired else variant.vectors)
-
-
-def model_loop(bench: Workbench, candidate: Candidate, target: Target) -> None:
-    """Cycles of N steps of a fixed-step kernel's loop, over its lanes; else it is rejected."""
-    variant = candidate.variant
-    steps = variant.stepper.steps
-    assert steps is not None
-    try:
-        report = loop_report(bench, candidate, target)
-    except KernelError as error:
-        candidate.rejected = f"llvm-mca: {error}"
-        return
-    passes = steps / lanes_in_flight(variant)
-    candidate.modelled = Modelled(
-        cpu=target.row.mca_cpu,
-        cycles=report.cycles_per_iteration * passes,
-        instructions=report.uops * passes,
-        cases=0,
-        steps=steps,
-        version=require_mca().version,
-    )

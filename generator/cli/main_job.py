@@ -126,13 +126,6 @@ def _footnotes(
 def _grounds(choice: Choice, target: Target, host: Host) -> str:
     """What the figures of llvm-mca are."""
     head = f"{target.name} is not this host's CPU ({host.target.name}): llvm-mca's cycles for"
-    figures = choice.chosen.modelled
-    assert figures is not None
-    if not figures.cases:
-        return (
-            f"{head} {target.row.mca_cpu} are of N steps of the loop, over its lanes: a model's "
-            "figure, not a time"
-        )
     return (
         f"{head} {target.row.mca_cpu} are a collision's, the instructions that "
         f"{_replayed(choice)} executed here replayed (branches guessed rightly, memory in the "
@@ -144,5 +137,4 @@ def _replayed(choice: Choice) -> str:
     """What llvm-mca's figures are the mean of."""
     figures = choice.chosen.modelled
     assert figures is not None
-    cases = f"{figures.cases} cases of the mixed set"
-    return cases if figures.steps is None else f"{cases} in {figures.steps} steps each"
+    return f"{figures.cases} cases of the mixed set"

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 
 from generator.errors import KernelError
 from generator.targets.target import Target
+from generator.toolchain.dataflow import ATTRIBUTES, NEEDS_LLVM, explicit
 from generator.toolchain.mca import require_mca, run_mca
 
-_AT_ONCE = 60_000  # instructions; llvm-mca takes more than twice as long for twice as many
+REPLAYED = 2  # figures of another way to replay are not reused
+_STRETCHES, _LENGTH = 8, 4_000  # of a longer run: as many stretches, so many instructions long
 _OPTIONS = ("-iterations=1", "--all-views=false", "--summary-view")
 
 
@@ -22,22 +24,33 @@ class Modelled:
     cycles: float
     instructions: float
     cases: int
-    steps: int | None  # fixed steps that were recorded of each; figures are for all of them
     version: str  # of llvm-mca
 
 
-def replayed_cycles(instructions: Sequence[str], target: Target) -> int:
+def replayed_cycles(instructions: Sequence[str], target: Target) -> float:
     """Cycles that the target needs for the instructions, one after the other as they ran.
 
-    Its pipeline is full all the time: branches are guessed rightly, memory is in the nearest cache
-    and what was just stored is there at once. Raises KernelError.
+    Of a long run some stretches, evenly spread, stand for all. Its pipeline is full all the time:
+    branches are guessed rightly and memory is in the nearest cache. What x86-64 code stores is
+    there for a load when a CPU has it there (toolchain.dataflow); of AArch64 code, at once.
+    Raises KernelError.
     """
-    cycles = 0
-    for start in range(0, len(instructions), _AT_ONCE):
-        text = "\n".join(instructions[start : start + _AT_ONCE]) + "\n"
-        told = run_mca(require_mca(), target, _OPTIONS, text)
-        found = re.search(r"^Total Cycles:\s+(\d+)", told, re.MULTILINE)
-        if found is None:
-            raise KernelError(f"llvm-mca {require_mca().major} does not say how many cycles it saw")
-        cycles += int(found[1])
-    return cycles
+    mca, part = require_mca(), _stretches(instructions)
+    options = _OPTIONS
+    if target.row.arch == "x86_64":
+        if mca.major < NEEDS_LLVM:
+            raise KernelError(f"llvm-mca {mca.major} is too old; {NEEDS_LLVM} or later is needed")
+        part, options = explicit(part), (ATTRIBUTES, *_OPTIONS)
+    told = run_mca(mca, target, options, "\n".join(part) + "\n")
+    found = re.search(r"^Total Cycles:\s+(\d+)", told, re.MULTILINE)
+    if found is None:
+        raise KernelError(f"llvm-mca {mca.major} does not say how many cycles it saw")
+    return int(found[1]) * len(instructions) / len(part)
+
+
+def _stretches(instructions: Sequence[str]) -> list[str]:
+    if len(instructions) <= _STRETCHES * _LENGTH:
+        return list(instructions)
+    every = len(instructions) / _STRETCHES
+    starts = [round((n + 0.5) * every - _LENGTH / 2) for n in range(_STRETCHES)]
+    return [line for start in starts for line in instructions[start : start + _LENGTH]]

@@ -116,8 +116,7 @@ def test_a_batch_is_replayed_too() -> None:
     rest = {k: v for k, v in made.sources.items() if k not in probe}
     kernel = traced(rest, probe, compiler_of(made.variant), made.flags, made.name)
     single, batch = (
-        modelling.replayed(bench(), kernel, target, cases, None, batch=b).cycles
-        for b in (False, True)
+        modelling.replayed(bench(), kernel, target, cases, batch=b).cycles for b in (False, True)
     )
     print(f"dp54 at 1e-6 on haswell: {single:.0f} cycles a collision, in a batch {batch:.0f}")
     assert batch == pytest.approx(single, rel=0.1)
