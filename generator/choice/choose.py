@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from generator.choice.folder import file_of
+from generator.choice.model_error import MODEL_ERROR, model_band
 from generator.choice.selection import ChosenBy, Selected
 from generator.choice.workbench import Candidate
 from generator.errors import KernelError
@@ -16,8 +17,7 @@ from generator.timing.ratios import TimingRun, fastest, ties
 from generator.variants.variant import Variant
 from generator.verification.verdict import Verdict
 
-MODEL_BAND = 0.005  # modelled cycles that differ by less count as a tie
-MODEL_ERROR = 2.2  # by so much the model was seen to err of two kernels on one CPU
+MODEL_BAND = 0.005  # modelled cycles that differ by less count as a tie where no recipe has won
 
 
 @dataclass(frozen=True)
@@ -67,14 +67,16 @@ def choose_by_model(
 ) -> Choice:
     """Where it is not: by the cycles of a collision that llvm-mca replays.
 
-    Of those it cannot tell apart the one whose recipe has won on the most CPUs that were timed.
+    Of those it cannot tell apart the one whose recipe has won on the most CPUs that were timed;
+    the fastest where none has.
     """
     modelled = [c for c in eligible(candidates) if c.modelled is not None]
     if not modelled:
         raise KernelError("llvm-mca gave no figure for any candidate")
     least = min(_cycles(c) for c in modelled)
-    tied = [c for c in modelled if _cycles(c) <= least * (1 + MODEL_BAND)]
-    most = max(wins(c.variant) for c in tied)
+    near = [c for c in modelled if _cycles(c) <= least * (1 + model_band(c.variant))]
+    most = max(wins(c.variant) for c in near)
+    tied = near if most else [c for c in near if _cycles(c) <= least * (1 + MODEL_BAND)]
     chosen = _preferred([c for c in tied if wins(c.variant) == most])
     evidence = f"modelled by llvm-mca for {cpu}, {len(modelled)} kernels"
     return Choice(chosen, tuple(c.name for c in tied), "llvm-mca", cpu, evidence)

@@ -10,8 +10,9 @@ import pytest
 from click.testing import CliRunner
 
 from generator.choice.candidates import batch_candidates, exact_candidates, fixed_step_candidates
-from generator.choice.choose import MODEL_ERROR, choose_by_model, choose_by_records, selected
+from generator.choice.choose import choose_by_model, choose_by_records, selected
 from generator.choice.folder import write_folder
+from generator.choice.model_error import MODEL_ERROR
 from generator.choice.selection import Selection
 from generator.choice.workbench import Candidate
 from generator.cli.main import gen
@@ -112,7 +113,7 @@ def candidate(
         record = BASE.model_copy(update={"ratio": ratio})
         made.recorded = Found(record, (changed,) if changed else ())
     if cycles is not None:
-        made.modelled = Modelled("znver3", cycles, 1.0, 32, 100, "19")
+        made.modelled = Modelled("znver3", cycles, 1.0, 32, "19")
     return made
 
 
