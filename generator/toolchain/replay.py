@@ -36,7 +36,7 @@ def replayed_cycles(instructions: Sequence[str], target: Target) -> float:
     Raises KernelError.
     """
     mca, part = require_mca(), _stretches(instructions)
-    options = _OPTIONS
+    options: tuple[str, ...] = _OPTIONS
     if target.row.arch == "x86_64":
         if mca.major < NEEDS_LLVM:
             raise KernelError(f"llvm-mca {mca.major} is too old; {NEEDS_LLVM} or later is needed")
