@@ -122,7 +122,7 @@ def _ordinary(rng: np.random.Generator) -> Scale:
 
 def draw_chart(rng: np.random.Generator, within: Envelope) -> Chart:
     """A chart at random; those in which errors are usually large come more often."""
-    event: Event = rng.choice(["start", "anywhere", "compressed", "end"], p=[0.6, 0.2, 0.08, 0.12])
+    event: Event = rng.choice(["start", "anywhere", "compressed", "end"], p=[0.5, 0.2, 0.1, 0.2])
     vanishing = rng.random() < 0.6  # at an event: the table slip, else the contact slip
     near = Scale("log", _LEAST, 1.0) if rng.random() < 0.5 else Scale("log", 1e-5, 1.0)
     if event == "start":

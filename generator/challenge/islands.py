@@ -26,7 +26,7 @@ _REST = 8  # generations without a gain of a fiftieth
 _MOST = 120  # generations
 _AGAIN = 0.3  # share of islands that begin close to a good one
 _KEPT = 12  # good ones
-_MUTANTS = 24  # of a parent, a round
+_MUTANTS = 48  # of a parent, a round
 Score = Callable[[Array], Array]  # rows of 24 -> what is to be as large as possible
 
 

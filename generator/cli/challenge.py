@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -10,12 +11,35 @@ import click
 from generator.errors import InputError, KernelError
 
 if TYPE_CHECKING:
-    from generator.challenge.search import Finding, Result
+    from collections.abc import Iterator
+
+    from generator.challenge.search import Limits, Result, Subject
     from generator.choice.workbench import Workbench
-    from generator.targets.target import Target
     from generator.variants.variant import Variant
 
 _MOST = 2**62  # evaluations, where the time alone ends a search
+_BUDGETS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-9)  # of --all
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What to search, as it was asked for."""
+
+    target: str
+    scene: str
+    extent: Literal["real", "scene"]
+    seed: int
+    minutes: float | None
+    evaluations: int | None
+
+    def limits(self) -> Limits:
+        import time
+
+        from generator.challenge.search import Limits
+
+        if self.evaluations is not None:
+            return Limits(self.evaluations)
+        return Limits(_MOST, time.monotonic() + 60 * (self.minutes or 1.0))
 
 
 @click.command()
@@ -25,6 +49,7 @@ _MOST = 2**62  # evaluations, where the time alone ends a search
 @click.option("--model", help="contact model; default: the scene's")
 @click.option("--max-error", type=float, help="error budget; default: the scene's")
 @click.option("--batch", is_flag=True, help="the kernel for batches, in lanes")
+@click.option("--all", "everything", is_flag=True, help="all models and budgets, calls and batches")
 @click.option(
     "--envelope",
     "extent",
@@ -33,13 +58,13 @@ _MOST = 2**62  # evaluations, where the time alone ends a search
     show_default=True,
     help="search what occurs in play, or all that the scene documents",
 )
-@click.option("--minutes", type=click.FloatRange(0.01, 100_000), help="time to search [default: 1]")
+@click.option("--minutes", type=click.FloatRange(0.01, 100_000), help="a kernel  [default: 1]")
 @click.option(
     "--evaluations",
-    type=click.IntRange(1, _MOST),
-    help="end after so many, whatever they take: the same seed then finds the same",
+    type=click.IntRange(1000, _MOST),
+    help="end after so many instead: the same seed then finds the same",
 )
-@click.option("--seed", default=1, show_default=True, type=click.IntRange(0, 2**31 - 1))
+@click.option("--seed", default=1, show_default=True, type=click.IntRange(0, 2**30))
 @click.option("--json", "json_path", type=click.Path(path_type=Path), help="write all of it")
 @click.option("--keep", "keeps", is_flag=True, help="add what is over to the kept cases")
 def challenge(
@@ -49,6 +74,7 @@ def challenge(
     model: str | None,
     max_error: float | None,
     batch: bool,
+    everything: bool,
     extent: Literal["real", "scene"],
     minutes: float | None,
     evaluations: int | None,
@@ -57,47 +83,42 @@ def challenge(
     keeps: bool,
 ) -> int:
     """Search for the input with the largest error of the chosen kernel, or of KERNEL."""
-    import time
+    import json
 
     from generator.challenge.document import document
-    from generator.challenge.envelope import envelope
-    from generator.challenge.kept import KEPT, keep
-    from generator.challenge.search import Limits, search
+    from generator.challenge.search import search_all
     from generator.choice.lookup import require_runs
     from generator.cli.session import resolve_target, workbench
     from generator.files import require_place, write_file
-    from generator.scenes.models import find_model
-    from generator.scenes.scene import find_scene
-    from generator.steppers.budgets import plan_for
-    from generator.targets.target import find_target
 
-    budget = max_error or find_scene(scene).max_error
-    plan_for(budget)
-    name = find_model(model or find_scene(scene).model).name
-    variant = _named(kernel) if kernel else _chosen(target, scene, name, budget, batch)
-    resolved, host = resolve_target(variant.target)
-    require_runs(host, find_target(resolved.name))
+    if everything and kernel:
+        raise InputError("--all and a KERNEL exclude each other: name one of them")
+    if minutes is not None and evaluations is not None:
+        raise InputError("--minutes and --evaluations exclude each other: name one of them")
+    asked = _Asked(target, scene, extent, seed, minutes, evaluations)
+    if kernel:
+        wanted = [(_named(kernel), batch)]
+    else:
+        wanted = list(_chosen(asked, model, max_error, None if everything else batch))
+    resolved, host = resolve_target(wanted[0][0].target)
+    require_runs(host, resolved)
     if json_path is not None:
         require_place(json_path)
-    assert variant.stepper.budget is not None
-    batch = batch or (kernel is not None and variant.width > 1)
-    within = envelope(find_scene(variant.scene), variant.model, extent)
+    documents, held = [], True
     with workbench(target=resolved) as bench:
-        library = _built(bench, variant, resolved)
-        until = float("inf") if evaluations else time.monotonic() + 60 * (minutes or 1.0)
-        limits = Limits(evaluations or _MOST, until)
-        found = search(bench.tool, library, within, variant.stepper.budget, batch, limits, seed)
-    told = document(variant, within, batch, seed, host.cpu, found)
-    _show(told["kernel"], variant.stepper.budget, extent, seed, found)
-    if json_path is not None:
-        import json
-
-        write_file(json_path, json.dumps(told, indent=1) + "\n")
-        click.echo(f"written: {json_path}")
-    if keeps and found.over:
-        count = keep([("found_by_search", found.over[0].case)])
-        click.echo(f"{count} case added to {KEPT}")
-    return 0 if found.held else 1
+        for variant, lanes in wanted:
+            subject = _subject(
+                bench, variant, lanes or (kernel is not None and variant.width > 1), extent
+            )
+            found = search_all(subject, asked.limits(), seed)
+            documents.append(document(variant, subject, seed, host.cpu, found))
+            held = _show(documents[-1]["kernel"], subject, seed, found, brief=everything) and held
+            if keeps:
+                _keep(found)
+            if json_path is not None:
+                text = json.dumps({"schema": 1, "searches": documents}, indent=1)
+                write_file(json_path, text + "\n")
+    return 0 if held else 1
 
 
 def _named(kernel: str) -> Variant:
@@ -109,48 +130,80 @@ def _named(kernel: str) -> Variant:
     return variant
 
 
-def _chosen(target: str, scene: str, model: str, budget: float, batch: bool) -> Variant:
+def _chosen(
+    asked: _Asked, model: str | None, max_error: float | None, batch: bool | None
+) -> Iterator[tuple[Variant, bool]]:
+    """Chosen kernels and whether they are for batches. `batch` None: all that is not named."""
     from generator.choice.lookup import Goal, batch_kernel_for, kernel_for
     from generator.cli.session import ROOT, resolve_target
+    from generator.scenes.models import MODELS, find_model
+    from generator.scenes.scene import find_scene
+    from generator.steppers.budgets import plan_for
 
-    find = batch_kernel_for if batch else kernel_for
-    resolved = resolve_target(target)[0]
-    return find(ROOT / "generated", target, resolved, scene, model, Goal(None, budget))
+    scene, resolved = find_scene(asked.scene), resolve_target(asked.target)[0]
+    every = batch is None
+    models = [m.name for m in MODELS] if every and not model else [model or scene.model]
+    budgets = _BUDGETS if every and max_error is None else (max_error or scene.max_error,)
+    for budget in budgets:
+        plan_for(budget)
+        scene.require_budget(budget)
+    for name in models:
+        find_model(name)
+        for budget in budgets:
+            for lanes in (False, True) if batch is None else (batch,):
+                find = batch_kernel_for if lanes else kernel_for
+                goal = Goal(None, budget)
+                place = ROOT / "generated"
+                yield find(place, asked.target, resolved, asked.scene, name, goal), lanes
 
 
-def _built(bench: Workbench, variant: Variant, target: Target) -> Path:
+def _subject(
+    bench: Workbench, variant: Variant, batch: bool, extent: Literal["real", "scene"]
+) -> Subject:
+    import numpy as np
+
+    from generator.challenge.envelope import envelope
+    from generator.challenge.search import Subject
     from generator.choice.lookup import with_compiler_found
+    from generator.profiling.counting import count_operations
+    from generator.scenes.scene import find_scene
+    from generator.targets.target import find_target
+    from generator.verification.errors import Array
 
     variant = with_compiler_found(variant, dict(bench.compilers))
-    candidate = bench.prepare([variant], target)[0]
+    candidate = bench.prepare([variant], find_target(variant.target))[0]
     bench.compile([candidate])
     if candidate.library is None:
         raise KernelError(candidate.rejected)
-    return candidate.library.path
+    cache = bench.cache / "kernels"
+
+    def count(cases: Array) -> Array:
+        counted = count_operations(
+            candidate.source, candidate.compiler, candidate.flags, cases, cache
+        )
+        return np.array(counted.each, dtype=np.float64)
+
+    within = envelope(find_scene(variant.scene), variant.model, extent)
+    budget = variant.stepper.budget
+    assert budget is not None
+    library = candidate.library.path
+    return Subject(bench.tool, library, within, budget, batch, None if batch else count)
 
 
-def _show(name: str, budget: float, extent: str, seed: int, found: Result) -> None:
-    from generator.challenge.kept import CSV_HEADER, csv_row, hexfloats
+def _keep(found: list[Result]) -> None:
+    from generator.challenge.kept import KEPT, keep
 
-    click.echo(f"{name}: envelope {extent}, seed {seed}")
-    click.echo(f"{found.evaluations} evaluations, {found.per_second:.0f} a second")
-    verdict = "within the budget" if found.held else "OVER"
-    click.echo(f"worst error: {found.worst.over:.4g} of the budget {budget:g} ({verdict})")
-    for finding in (*found.over[1:], *found.apart):
-        click.echo(f"  {_line(finding)}")
-    click.echo(f"worst case:\n{CSV_HEADER}\n{csv_row('found_by_search', found.worst.case)}")
-    click.echo(hexfloats(found.worst.case))
+    over = [("found_by_search", result.over[0].case) for result in found if result.over]
+    if over:
+        click.echo(f"{keep(over)} of {len(over)} cases added to {KEPT}")
 
 
-def _line(finding: Finding) -> str:
-    what = {
-        "error": "over",
-        "refused": "refused though valid",
-        "steep": "steep, not counted",
-        "floor": "under the doubles' floor, not counted",
-    }[finding.kind]
-    u_b, u_s, e_b = finding.case[4], finding.case[2], finding.case[5]
-    return (
-        f"{what}: {finding.over:.4g} of the budget, status {finding.status}; a rounding moves the "
-        f"exact result by {finding.moved:.1e}; u_b {u_b:.6g} u_s {u_s:.6g} e_b {e_b:.6g}"
-    )
+def _show(name: str, subject: Subject, seed: int, found: list[Result], brief: bool) -> bool:
+    """Prints what was found; was nothing over?"""
+    from generator.cli.challenge_lines import brief_line, lines
+
+    if brief:
+        click.echo(brief_line(name, subject, found))
+    else:
+        click.echo("\n".join(lines(name, subject, seed, found)))
+    return all(result.held for result in found)

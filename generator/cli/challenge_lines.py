@@ -1,0 +1,55 @@
+"""What `gen challenge` prints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from generator.challenge.kept import CSV_HEADER, csv_row, hexfloats
+from generator.challenge.search import Finding, Result, Subject
+
+_WORDS = {
+    "error": "off by {:.3g} of the budget",
+    "refused": "refused though valid",
+    "steep": "off by {:.3g} of the limit, but the exact result is steep: not counted",
+    "floor": "off by {:.3g} of the budget, under the doubles' floor: not counted",
+    "jump": "neighbouring inputs' results jump by {:.3g} of a tenth of the budget",
+    "energy": "kinetic energy grows by {:.3g} of the budget",
+    "symmetry": "an image's result differs by {:.3g} of the budget",
+    "slow": "{:.0f} evaluations",
+}
+
+
+def lines(name: str, subject: Subject, seed: int, found: Sequence[Result]) -> Iterator[str]:
+    """A table of the hunts, what is over or apart, and the worst case to the last bit."""
+    within, errors = subject.within, found[0]
+    yield f"{name}{' (batches)' * subject.batch}: envelope {within.extent}, seed {seed}"
+    ranges = (("u_b", within.u_b), ("u_s", within.u_s), ("e_b", within.e_b))
+    yield "ranges: " + ", ".join(f"{key} {low:g} to {high:g}" for key, (low, high) in ranges)
+    evaluations, seconds = sum(r.evaluations for r in found), sum(r.seconds for r in found)
+    yield f"{evaluations} evaluations, {evaluations / seconds:.0f} a second"
+    for result in found:
+        verdict = "" if result.hunt == "slow" else ("" if result.held else "OVER: ")
+        yield f"  {result.hunt:9}{result.evaluations:9}  {verdict}{_words(result.worst)}"
+        for finding in (*result.over[1:], *result.apart):
+            yield f"  {'':18}  {_words(finding)}"
+    over = "OVER" if not errors.held else "within the budget"
+    yield f"worst error over {subject.budget:g}: {errors.worst.over:.4g} ({over})"
+    yield from (CSV_HEADER, csv_row("found_by_search", errors.worst.case))
+    yield hexfloats(errors.worst.case)
+
+
+def _words(finding: Finding) -> str:
+    case = finding.case
+    where = f"u_b {case[4]:.6g} u_s {case[2]:.6g} e_b {case[5]:.6g}"
+    moved = f", a rounding moves it by {finding.moved:.1e}" if finding.moved else ""
+    return f"{_WORDS[finding.kind].format(finding.over)} ({where}{moved})"
+
+
+def brief_line(name: str, subject: Subject, found: Sequence[Result]) -> str:
+    """A row of a table: model, budget, calls or batches, evaluations, the worst of each hunt."""
+    errors = found[0]
+    apart = f"{len(errors.apart)} apart" if errors.apart else ""
+    hunts = " ".join(f"{r.hunt} {r.worst.over:.3g}{'' if r.held else '!'}" for r in found)
+    by = "batch" if subject.batch else "call"
+    head = f"{subject.within.model:13}{subject.budget:<7.0e}{by:6}"
+    return f"{head}{sum(r.evaluations for r in found):9}  {hunts} {apart}  {name}"
