@@ -10,6 +10,7 @@ from generator.choice.choose import Choice, choose_by_time
 from generator.choice.job import STEPS, verify
 from generator.choice.modelling import model_all
 from generator.choice.recorded import MORE, choose_elsewhere, legal_here
+from generator.choice.sought import choose_sought
 from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
 from generator.records.recipe import contest_of
 from generator.targets.host import Host
@@ -45,12 +46,15 @@ def batch_job(
             return None
     if host.is_a(target):
         run = bench.time(candidates, candidates[0], scene, seconds, batches=True)
-        return candidates, candidates[0], choose_by_time(wide, run, host)
+        choice = choose_sought(bench, lambda: choose_by_time(wide, run, host))
+        return candidates, candidates[0], choice
 
     def model(some: Sequence[Candidate]) -> None:
         model_all(bench, some, target, bench.batch_cases(scene, single.variant.model))
 
-    choice = choose_elsewhere(bench, wide, candidates[0], target, True, model)
+    choice = choose_sought(
+        bench, lambda: choose_elsewhere(bench, wide, candidates[0], target, True, model)
+    )
     return candidates, candidates[0], choice
 
 

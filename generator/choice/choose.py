@@ -29,6 +29,7 @@ class Choice:
     by: ChosenBy
     measured_on: str
     evidence: str  # for readers: which CPU, when, how many; or which model
+    sought: str | None = None  # what a search for errors found of it; None: not searched
 
 
 def _preferred(tied: Sequence[Candidate]) -> Candidate:
@@ -151,6 +152,7 @@ def selected(choice: Choice, baseline: Candidate) -> Selected:
         ratio_to_baseline=ratio,
         ratio_ci=interval,
         **found_errors(chosen.verdict),
+        search=choice.sought or "",
         error_against="euler" if variant.stepper.family == "euler" else "exact",
         ties=sorted(name for name in choice.ties if name != chosen.name),
     )

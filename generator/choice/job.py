@@ -9,6 +9,7 @@ from generator.choice.candidates import baseline, exact_candidates, fixed_step_c
 from generator.choice.choose import Choice, choose_by_time
 from generator.choice.modelling import model_all
 from generator.choice.recorded import choose_elsewhere, with_recorded
+from generator.choice.sought import choose_sought
 from generator.choice.verifying import Expected, HardCases
 from generator.choice.workbench import (
     VERIFY_RANDOM,
@@ -111,9 +112,13 @@ def _judged(
         verify(bench, candidates, expected)
     if host.is_a(target):
         run = bench.time(candidates, first, scene, seconds)
-        return candidates, first, choose_by_time(candidates, run, host)
+        choice = choose_sought(bench, lambda: choose_by_time(candidates, run, host))
+        return candidates, first, choice
 
     def model(some: Sequence[Candidate]) -> None:
         model_all(bench, some, target, bench.timing_cases(scene, first.variant.model))
 
-    return candidates, first, choose_elsewhere(bench, candidates, first, target, False, model)
+    choice = choose_sought(
+        bench, lambda: choose_elsewhere(bench, candidates, first, target, False, model)
+    )
+    return candidates, first, choice

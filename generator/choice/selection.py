@@ -34,6 +34,7 @@ class Selected(BaseModel):
     max_rel_error: float | None
     # The largest error under the worst root estimates allowed; None: no estimate enters.
     worst_estimate_error: float | None = None
+    search: str = ""  # the largest error that a search found; begins with OVER where it is over
     error_against: Literal["exact", "euler"]
     ties: list[str]
 

@@ -115,6 +115,8 @@ def _footnotes(
     if choice.chosen.modelled is not None:
         say(_grounds(choice, target, host))
     say(f"grounds: {choice.evidence}")
+    if choice.sought is not None:
+        say(f"search for errors: {choice.sought} (gen challenge searches longer)")
     for note in sorted({f"{c.compiler.code}: {c.march_note}" for c in candidates if c.march_note}):
         say(note)
     if counts := bench.reused():

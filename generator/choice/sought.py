@@ -1,0 +1,97 @@
+"""A chosen exact kernel is searched for errors; one that the search finds over is not chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from generator.challenge.envelope import envelope
+from generator.challenge.kept import csv_row
+from generator.challenge.search import Limits, Subject, search
+from generator.choice.choose import Choice
+from generator.choice.store import key_of
+from generator.choice.workbench import Candidate, Workbench
+from generator.errors import KernelError
+from generator.scenes.scene import find_scene
+
+EVALUATIONS = 20_000  # a second or two of an idle machine's two cores
+SEED = 2014
+TRIES = 3  # kernels that are searched for one choice
+
+
+@dataclass(frozen=True)
+class Sought:
+    """What a short search found of a kernel."""
+
+    evaluations: int
+    seed: int
+    over: float | None  # largest error over the budget; None: valid input is refused
+    held: bool
+    case: str  # a row in the columns of reference/inputs.csv
+
+    def told(self) -> str:
+        """For the summary and for selection.json."""
+        largest = "valid input refused" if self.over is None else f"{self.over:.3g} of the budget"
+        verdict = "" if self.held else "OVER: "
+        return f"{verdict}{largest}, {self.evaluations} evaluations, seed {self.seed}"
+
+
+def choose_sought(bench: Workbench, choose: Callable[[], Choice]) -> Choice:
+    """The first choice in which a short search finds nothing over the budget.
+
+    What is over is rejected with its case, and the next is chosen. Where `TRIES` kernels are over,
+    or no other is left, the first choice stands, and says so: a kernel that nearly always holds is
+    worth more than none.
+    """
+    first: Choice | None = None
+    for _ in range(TRIES):
+        try:
+            choice = choose()
+        except KernelError:
+            if first is None:
+                raise
+            break
+        found = sought(bench, choice.chosen)
+        if found is None:
+            return choice
+        case = "" if found.held else f"; case {found.case}"
+        choice = replace(choice, sought=found.told() + case)
+        if found.held:
+            return choice
+        first = first or choice
+        choice.chosen.rejected = f"search: {found.told()}"
+    assert first is not None
+    first.chosen.rejected = ""
+    return first
+
+
+def sought(bench: Workbench, candidate: Candidate) -> Sought | None:
+    """What a short search finds, kept; None where the kernel has no budget or cannot run here."""
+    budget = candidate.variant.stepper.budget
+    if budget is None or candidate.library is None or candidate.verdict is None or bench.emulated:
+        return None
+    variant = candidate.variant
+    within = envelope(find_scene(variant.scene), variant.model, "scene")
+    subject = Subject(bench.tool, candidate.library.path, within, budget, candidate.is_batch)
+    tool = bench.tool.executable.name
+    key = key_of(candidate.library.key, tool, search_hash(), SEED, EVALUATIONS, repr(within))
+    bench.progress("searching for errors", 0, 1)
+    kept = bench.store.kept("searches", key, lambda: asdict(_sought(subject)))
+    bench.progress("searching for errors", 1, 1)
+    return Sought(**kept)
+
+
+def _sought(subject: Subject) -> Sought:
+    found = search(subject, Limits(EVALUATIONS), SEED)
+    worst = found.over[0] if found.over else found.worst
+    over = None if worst.kind == "refused" else worst.over
+    case = csv_row("found_by_search", worst.case)
+    return Sought(found.evaluations, SEED, over, found.held, case)
+
+
+def search_hash() -> str:
+    """Of the rules of the search: what it found holds only under those that it was found by."""
+    rooms = [Path(__file__).parents[1] / name for name in ("challenge", "verification")]
+    files: Sequence[Path] = [path for room in rooms for path in sorted(room.glob("*.py"))]
+    return key_of(*(path.read_text("utf-8") for path in files))
