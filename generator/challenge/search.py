@@ -144,6 +144,11 @@ def errors_confirmed(judge: Judge, cases: Array) -> list[Finding]:
     return findings
 
 
+def counts_as_over(finding: Finding) -> bool:
+    """Does it break what a kernel promises?"""
+    return finding.over > 1 and finding.kind not in ("steep", "floor", "slow")
+
+
 def _plain(judge: Judge, kind: Kind, cases: Array, sizes: Array) -> list[Finding]:
     status = judge.run(cases)[:, STATUS]
     rows = zip(sizes, status, cases, strict=True)
@@ -162,7 +167,7 @@ def _moved(judge: Judge, finding: Finding) -> Finding:
 def _result(hunt: Hunt, findings: Sequence[Finding], evaluations: int, seconds: float) -> Result:
     apart = tuple(f for f in findings if f.kind in ("steep", "floor"))
     counted = [f for f in findings if f.kind not in ("steep", "floor")]
-    over = tuple(f for f in counted if f.over > 1 and hunt != "slow")
+    over = tuple(f for f in counted if counts_as_over(f))
     worst = (counted or list(apart))[0]
     return Result(hunt, evaluations, seconds, worst, over[:_EACH], apart[:_EACH])
 

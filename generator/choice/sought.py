@@ -6,14 +6,24 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from generator.challenge.envelope import envelope
-from generator.challenge.kept import csv_row
-from generator.challenge.search import Limits, Subject, search
+import numpy as np
+
+from generator.challenge.envelope import Envelope, envelope
+from generator.challenge.kept import csv_row, load_kept
+from generator.challenge.search import (
+    Finding,
+    Limits,
+    Subject,
+    counts_as_over,
+    errors_confirmed,
+    search,
+)
 from generator.choice.choose import Choice
 from generator.choice.store import key_of
 from generator.choice.workbench import Candidate, Workbench
 from generator.errors import KernelError
 from generator.scenes.scene import find_scene
+from generator.verification.errors import Array
 
 EVALUATIONS = 20_000  # a second or two of an idle machine's two cores
 SEED = 2014
@@ -40,11 +50,12 @@ class Sought:
 def choose_sought(bench: Workbench, choose: Callable[[], Choice]) -> Choice:
     """The first choice in which a short search finds nothing over the budget.
 
-    What is over is rejected with its case, and the next is chosen. Where `TRIES` kernels are over,
-    or no other is left, the first choice stands, and says so: a kernel that nearly always holds is
-    worth more than none.
+    What is over is rejected, and the next is chosen, which meets that case first. Where `TRIES`
+    kernels are over, or no other is left, the first choice stands, and says so: a kernel that
+    nearly always holds is worth more than none.
     """
     first: Choice | None = None
+    known: list[Array] = []
     for _ in range(TRIES):
         try:
             choice = choose()
@@ -52,7 +63,7 @@ def choose_sought(bench: Workbench, choose: Callable[[], Choice]) -> Choice:
             if first is None:
                 raise
             break
-        found = sought(bench, choice.chosen)
+        found = sought(bench, choice.chosen, known)
         if found is None:
             return choice
         case = "" if found.held else f"; case {found.case}"
@@ -60,20 +71,27 @@ def choose_sought(bench: Workbench, choose: Callable[[], Choice]) -> Choice:
         if found.held:
             return choice
         first = first or choice
+        known.append(np.array(found.case.split(",")[2:], dtype=np.float64))
         choice.chosen.rejected = f"search: {found.told()}"
     assert first is not None
     first.chosen.rejected = ""
     return first
 
 
-def sought(bench: Workbench, candidate: Candidate) -> Sought | None:
-    """What a short search finds, kept; None where the kernel has no budget or cannot run here."""
+def sought(bench: Workbench, candidate: Candidate, known: Sequence[Array]) -> Sought | None:
+    """What the kept cases, `known` ones and a short search find, which is kept.
+
+    None where the kernel has no budget or cannot run here.
+    """
     budget = candidate.variant.stepper.budget
     if budget is None or candidate.library is None or candidate.verdict is None or bench.emulated:
         return None
     variant = candidate.variant
     within = envelope(find_scene(variant.scene), variant.model, "scene")
     subject = Subject(bench.tool, candidate.library.path, within, budget, candidate.is_batch)
+    met = _met(subject, [*_kept_cases(within), *known])
+    if met is not None:
+        return met
     tool = bench.tool.executable.name
     key = key_of(candidate.library.key, tool, search_hash(), SEED, EVALUATIONS, repr(within))
     bench.progress("searching for errors", 0, 1)
@@ -85,9 +103,28 @@ def sought(bench: Workbench, candidate: Candidate) -> Sought | None:
 def _sought(subject: Subject) -> Sought:
     found = search(subject, Limits(EVALUATIONS), SEED)
     worst = found.over[0] if found.over else found.worst
+    return _of(worst, found.evaluations, found.held)
+
+
+def _of(worst: Finding, evaluations: int, held: bool) -> Sought:
     over = None if worst.kind == "refused" else worst.over
-    case = csv_row("found_by_search", worst.case)
-    return Sought(found.evaluations, SEED, over, found.held, case)
+    return Sought(evaluations, SEED, over, held, csv_row("found_by_search", worst.case))
+
+
+def _kept_cases(within: Envelope) -> list[Array]:
+    """Those of the kept cases that lie in a scene without restrictions."""
+    if not within.scene.unrestricted:
+        return []
+    kinds_and_rows = load_kept()
+    return [row for row in kinds_and_rows[1] if within.holds(row)]
+
+
+def _met(subject: Subject, cases: Sequence[Array]) -> Sought | None:
+    """The worst of known cases, if it is over."""
+    if not cases:
+        return None
+    over = [f for f in errors_confirmed(subject.judge(), np.array(cases)) if counts_as_over(f)]
+    return _of(max(over, key=lambda f: f.over), len(cases), False) if over else None
 
 
 def search_hash() -> str:
