@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from generator.scenes.scene import Scene
-from generator.verification.errors import Array
 
 Extent = Literal["real", "scene"]
 _RADIUS = 0.03125  # m: a power of two, so that R w is exactly what it was made from
@@ -34,11 +33,6 @@ class Envelope:
     e_b: tuple[float, float]
     radius: float
     mass: float
-
-    def holds(self, case: Array) -> bool:
-        """Do the friction coefficients and the restitution of a case lie in the ranges?"""
-        places = ((2, self.u_s), (3, self.u_s), (4, self.u_b), (5, self.e_b))
-        return all(low <= case[column] <= high for column, (low, high) in places)
 
 
 def envelope(scene: Scene, model: str, extent: Extent) -> Envelope:

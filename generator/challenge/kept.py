@@ -6,12 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from generator.files import write_file
-from generator.places import sources
 from generator.verification.errors import Array
-from generator.verification.hard_cases import load_hard
+from generator.verification.hard_cases import FILE, load_hard
 from generator.verification.reference import CASE_NAMES
-
-KEPT = sources() / "tests" / "data" / "hard_cases.csv"
 
 
 def hexfloats(case: Array) -> str:
@@ -29,14 +26,9 @@ def csv_row(kind: str, case: Array, number: int = 0) -> str:
 CSV_HEADER = ",".join(["id", "kind", *CASE_NAMES])
 
 
-def load_kept(path: Path = KEPT) -> tuple[tuple[str, ...], Array]:
-    """Kinds and rows of 24; any model may meet them."""
-    return load_hard(path)
-
-
-def keep(found: Sequence[tuple[str, Array]], path: Path = KEPT) -> int:
+def keep(found: Sequence[tuple[str, Array]], path: Path = FILE) -> int:
     """Adds cases (kind, row) that are not there yet; how many were new."""
-    _, rows = load_kept(path)
+    _, rows = load_hard(path)
     known = {tuple(row) for row in rows}
     new = [(kind, row) for kind, row in found if tuple(row) not in known]
     lines = [",".join([kind, *(float(value).hex() for value in row)]) + "\n" for kind, row in new]

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.challenge.envelope import Envelope, envelope
-from generator.challenge.kept import csv_row, load_kept
+from generator.challenge.envelope import envelope
+from generator.challenge.kept import csv_row
 from generator.challenge.search import (
     Finding,
     Limits,
@@ -79,7 +79,7 @@ def choose_sought(bench: Workbench, choose: Callable[[], Choice]) -> Choice:
 
 
 def sought(bench: Workbench, candidate: Candidate, known: Sequence[Array]) -> Sought | None:
-    """What the kept cases, `known` ones and a short search find, which is kept.
+    """What `known` cases show, else what a short search finds, which is kept.
 
     None where the kernel has no budget or cannot run here.
     """
@@ -89,7 +89,7 @@ def sought(bench: Workbench, candidate: Candidate, known: Sequence[Array]) -> So
     variant = candidate.variant
     within = envelope(find_scene(variant.scene), variant.model, "scene")
     subject = Subject(bench.tool, candidate.library.path, within, budget, candidate.is_batch)
-    met = _met(subject, [*_kept_cases(within), *known])
+    met = _met(subject, known)
     if met is not None:
         return met
     tool = bench.tool.executable.name
@@ -109,14 +109,6 @@ def _sought(subject: Subject) -> Sought:
 def _of(worst: Finding, evaluations: int, held: bool) -> Sought:
     over = None if worst.kind == "refused" else worst.over
     return Sought(evaluations, SEED, over, held, csv_row("found_by_search", worst.case))
-
-
-def _kept_cases(within: Envelope) -> list[Array]:
-    """Those of the kept cases that lie in a scene without restrictions."""
-    if not within.scene.unrestricted:
-        return []
-    kinds_and_rows = load_kept()
-    return [row for row in kinds_and_rows[1] if within.holds(row)]
 
 
 def _met(subject: Subject, cases: Sequence[Array]) -> Sought | None:

@@ -191,11 +191,11 @@ def _subject(
 
 
 def _keep(found: list[Result]) -> None:
-    from generator.challenge.kept import KEPT, keep
+    from generator.challenge.kept import FILE, keep
 
     over = [("found_by_search", result.over[0].case) for result in found if result.over]
     if over:
-        click.echo(f"{keep(over)} of {len(over)} cases added to {KEPT}")
+        click.echo(f"{keep(over)} of {len(over)} cases added to {FILE}")
 
 
 def _show(name: str, subject: Subject, seed: int, found: list[Result], brief: bool) -> bool:

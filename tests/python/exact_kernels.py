@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 from kernels import EULER, build_all, compiler_of
 
-from generator.challenge.kept import KEPT as KEPT
+from generator.challenge.kept import FILE as FILE
 from generator.challenge.kept import hexfloats as hexfloats
 from generator.challenge.kept import keep as keep
-from generator.challenge.kept import load_kept
 from generator.steppers.budgets import tableaus_for
 from generator.targets.host import read_host
 from generator.targets.target import Target, find_target
@@ -22,6 +21,7 @@ from generator.variants.presets import find_preset
 from generator.variants.roots import COARSEST_FIRST, allows
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, Variant, make_variant
+from generator.verification import hard_cases
 from generator.verification.errors import STATUS, Array, errors_of
 from generator.verification.floors import SPEEDS, nudged, rounding_of
 from generator.verification.reference import MODELS as MODELS
@@ -91,7 +91,7 @@ def built(variants: Sequence[Variant]) -> list[Path]:
 
 def load_hard() -> tuple[tuple[str, ...], Array]:
     """Kinds and rows of 24 of the cases that a kernel once failed; any model may meet them."""
-    kinds, rows = load_kept()
+    kinds, rows = hard_cases.load_hard()
     return tuple(f"hard {kind}" for kind in kinds), rows
 
 

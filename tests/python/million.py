@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from exact_kernels import (
     BUDGETS,
     COMPILERS,
-    KEPT,
+    FILE,
     Worst,
     built,
     conditioning,
@@ -168,12 +168,12 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=COUNT, help="random cases a model")
     parser.add_argument("--budgets", type=float, nargs="+", default=BUDGETS)
     parser.add_argument("--models", choices=MODELS, nargs="+", default=MODELS)
-    parser.add_argument("--keep", action="store_true", help=f"add what fails to {KEPT.name}")
+    parser.add_argument("--keep", action="store_true", help=f"add what fails to {FILE.name}")
     options = parser.parse_args()
     rows = prove_all(options.count, tuple(options.budgets), tuple(options.models))
     if options.keep:
         worst = [w for row in rows for w in row.worst.failing()]
-        print(f"{keep(worst)} cases added to {KEPT}")
+        print(f"{keep(worst)} cases added to {FILE}")
     return 0 if all(row.worst.passed for row in rows) else 1
 
 
