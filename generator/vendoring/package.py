@@ -184,7 +184,7 @@ def _unit(request: VendorRequest, unit: str, entry: Selected, dispatched: bool) 
         unit=unit if dispatched else "",
         enclosing=f"{request.prefix}_{unit}",
     )
-    return emit(variant_of(entry.kernel), naming, request.command, entry.evidence).source
+    return emit(variant_of(entry.kernel), naming, request.command, entry.grounds).source
 
 
 def _guarded(request: VendorRequest, target: str, text: str) -> str:
