@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from browser import ask, picture, script
 from click.testing import CliRunner, Result
+from hosts import believe
 from stored_report import EFFECTS, MadeStore, make_measured, make_store
 
 import generator.cli.session as session
@@ -32,7 +33,6 @@ from generator.report.published import NUMBA_CYCLES
 from generator.report.subjects import BASELINE, BEST, EULER, Subject, calls, last_finals
 from generator.sweep.record import Final, Trial
 from generator.sweep.store import read_only
-from generator.targets.host import read_host
 from generator.variants.names import variant_of
 from generator.variants.presets import PAPER_PRESETS
 from generator.variants.variant import Stepper, make_variant
@@ -235,8 +235,11 @@ def test_measurements_of_other_sources_are_named(tmp_path: Path) -> None:
     assert "other sources of carom" in missing("changed")["age"]
 
 
-def test_times_of_another_cpu_are_not_measured_for_a_target(tmp_path: Path) -> None:
-    other = next(name for name in ("zen3", "zen2") if name != read_host().target.name)
+@pytest.mark.parametrize(("host", "other"), [("zen4", "zen3"), ("sapphirerapids", "zen2")])
+def test_times_of_another_cpu_are_not_measured_for_a_target(
+    host: str, other: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    believe(monkeypatch, host)  # which runs the other's code
     page = tmp_path / "report.html"
     result = _run("report", "--target", other, "--out", page, "--measure")
     print(result.stderr)
