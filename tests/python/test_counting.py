@@ -19,11 +19,12 @@ from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
 from generator.variants.names import name_of, variant_of
-from generator.variants.presets import PRESETS
+from generator.variants.presets import PRESETS, find_preset
 from generator.variants.variant import Stepper, Variant, make_variant
 from generator.verification.reference import load_reference
 from generator.verification.scene_cases import cases_for_scene
 
+EULER = Stepper("euler", steps=1000)
 ROOT = Path(__file__).parents[2]
 COUNTED = tuple(kind for kind in KINDS if kind not in ("call", "rare"))
 _STATED = re.compile(r"Operations (?:an iteration|a step): (.*?) \(\d+ flops\)", re.S)
@@ -66,16 +67,17 @@ def _compare(variants: list[Variant], cache: Path, sources: list[str | None]) ->
 
 
 def _euler(**options: str) -> Variant:
-    stepper = Stepper("euler", steps=1000)
     if not find_target(_target()).has("fma"):
         options["fma"] = "nofma"
-    return make_variant(_target(), "any", "mathavan2014", stepper, **options)
+    return make_variant(_target(), "any", "mathavan2014", EULER, **options)
 
 
 def test_presets_take_the_operations_that_their_files_state(tmp_path: Path) -> None:
     variants = [_euler(**preset.options) for preset in PRESETS]
     lanes = {"state": "reduced", "reuse": "precompute", "branch": "chosen", "roots": "early"}
     variants.append(_euler(**lanes, rsqrt="est1", simd="slips", fma="fma"))
+    balls = {**find_preset("paper-simd-rewritten").options, "fma": "nofma"}  # as without AVX
+    variants.append(make_variant("x86-64-v2", "any", "mathavan2014", EULER, **balls))
     _compare(variants, tmp_path, [None] * len(variants))
 
 
