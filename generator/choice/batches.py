@@ -32,7 +32,8 @@ def batch_job(
 
     None where the target or the stepper has no lanes, or where none of them verified.
     """
-    variants = batch_candidates(single.variant, target, list(bench.compilers))
+    codes = list(bench.compilers)
+    variants = batch_candidates(single.variant, target, codes, bench.reproducible)
     if not variants:
         return None
     variants = _with_recorded_lanes(bench, variants, single.variant, target)

@@ -65,16 +65,22 @@ def fixed_step_candidates(
 
 
 def exact_candidates(
-    target: Target, scene: str, model: str, budget: float, compilers: Iterable[str]
+    target: Target,
+    scene: str,
+    model: str,
+    budget: float,
+    compilers: Iterable[str],
+    reproducible: bool = False,
 ) -> list[Variant]:
     """Legal variants of the exact steppers for a budget, in a fixed order.
 
-    A level scene has a closed form, which no tableau and no root enters: it is tried once.
+    `reproducible`: those whose bits are the same on every CPU, and no others. A level scene has a
+    closed form, which no tableau and no root enters: it is tried once.
     """
     fma = "fma" if target.has("fma") else "nofma"
     closed = find_scene(scene).level
     tableaus = tableaus_for(budget)[:1] if closed else tableaus_for(budget)
-    roots = ("inv",) if closed else tuple(c for c in axis("root").codes() if c != "ieee")
+    roots = ("inv",) if closed else _exact_roots(reproducible)
     found = [
         make_variant(
             target.name,
@@ -92,8 +98,14 @@ def exact_candidates(
     return [v for v in found if broken_rule(v, target) is None]
 
 
-def _lane_roots(target: Target) -> tuple[str, ...]:
+def _exact_roots(reproducible: bool) -> tuple[str, ...]:
+    return tuple(code for code in axis("root").codes() if (code == "ieee") == reproducible)
+
+
+def _lane_roots(target: Target, reproducible: bool = False) -> tuple[str, ...]:
     """Roots in lanes of fixed steps that are worth trying, the most accurate last."""
+    if reproducible:
+        return ("ieee",)
     if not target.has_rsqrt_estimate:
         return ("inv",)
     return ("est2",) if target.has("neon") else ("est1", "cubic")
@@ -126,12 +138,17 @@ def _exact_interleave(scene: Scene, target: Target) -> str:
     return "i1" if scene.level or target.has("simd128") else "s2"
 
 
-def batch_candidates(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
-    """Legal variants whose batches go in lanes and whose single calls are as chosen."""
+def batch_candidates(
+    single: Variant, target: Target, compilers: Iterable[str], reproducible: bool = False
+) -> list[Variant]:
+    """Legal variants whose batches go in lanes and whose single calls are as chosen.
+
+    `reproducible`: those whose bits are the same on every CPU.
+    """
     if single.stepper.family != "euler":
         return _exact_batches(single, target, compilers)
     widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
-    roots = _lane_roots(target)
+    roots = _lane_roots(target, reproducible)
     ways = [(widest, root, *way) for root in roots for way in _LANES]
     ways += [(width, roots[-1], *_LANES[0]) for width in narrower[:1]]
     found = [
@@ -150,7 +167,8 @@ def _exact_lane_roots(single: Variant, target: Target, floats: bool = False) -> 
 
     `floats`: where their steps are made in floats.
     """
-    if find_scene(single.scene).level or not target.has_rsqrt_estimate:
+    plain = single["root"] == "ieee" or find_scene(single.scene).level
+    if plain or not target.has_rsqrt_estimate:
         return (single["root"],)
     budget = single.stepper.budget or 0.0
     enough = (

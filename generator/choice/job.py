@@ -20,6 +20,7 @@ from generator.choice.workbench import (
 from generator.records.recipe import contest_of
 from generator.targets.host import Host
 from generator.targets.target import Target
+from generator.variants.roots import is_reproducible
 from generator.variants.variant import Variant
 
 STEPS = 1000
@@ -38,7 +39,7 @@ def exact_job(budget: float) -> Job:
     ) -> tuple[list[Candidate], Candidate, Choice]:
         codes = list(bench.compilers)
         first = baseline(target, scene, model, STEPS, codes)
-        variants = exact_candidates(target, scene, model, budget, codes)
+        variants = exact_candidates(target, scene, model, budget, codes, bench.reproducible)
         candidates = _prepared(bench, first, variants, target)
         expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
         return _judged(bench, candidates, expected, target, host, scene, seconds)
@@ -52,6 +53,8 @@ def fixed_step_job(
     """Candidates of the fixed-step scheme with their figures, the baseline, and the choice."""
     codes = list(bench.compilers)
     variants = fixed_step_candidates(target, scene, model, STEPS, codes)
+    if bench.reproducible:
+        variants = [v for v in variants if is_reproducible(v)]
     first = baseline(target, scene, model, STEPS, codes)
     candidates = _prepared(bench, first, variants, target)
     expected = bench.expected(scene, model, STEPS, VERIFY_SEED, VERIFY_RANDOM)

@@ -39,6 +39,7 @@ from generator.toolchain.compilers import Compiler, march_flags
 from generator.toolchain.flags import compile_flags
 from generator.toolchain.replay import Modelled
 from generator.variants.names import name_of, source_name_of
+from generator.variants.roots import is_reproducible
 from generator.variants.variant import Variant
 from generator.verification.errors import EXPECTED_COLUMNS, Array
 from generator.verification.floors import rounding_of
@@ -114,6 +115,7 @@ class Workbench:
     fresh: bool = False  # verify and time anew instead of reusing what is still valid
     emulated: EmulatedRunner | None = None  # runs kernels of another architecture
     timings: Timings = field(default_factory=Timings)  # of CPUs that are not here
+    reproducible: bool = False  # choose only what gives the same bits on every CPU
     kernel_timeout: float = 300.0  # seconds for a kernel over the cases that are verified on
 
     def __post_init__(self) -> None:
@@ -231,6 +233,10 @@ class Workbench:
         """
         alive = [c for c in candidates if c.library is not None and not c.rejected]
         alive = [c for c in alive if c.variant.scene == expected.scene]
+        if self.reproducible:
+            for candidate in alive:
+                _require_reproducible(candidate)
+            alive = [c for c in alive if not c.rejected]
         for index, candidate in enumerate(alive):
             self.progress("verifying", index, len(alive))
             self._verify_one(candidate, expected)
@@ -240,6 +246,8 @@ class Workbench:
     def _verify_at_worst(self, candidates: Sequence[Candidate], expected: Expected) -> None:
         """What held on this CPU, where it estimates roots, under the worst estimates allowed."""
         shaky = [c for c in candidates if estimates_in(c.source.source)]
+        if not shaky:
+            return
         what = "verifying under the worst root estimates"
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             verdicts = pool.map(lambda c: self._worst_verdict(c, expected), shaky)
@@ -364,6 +372,13 @@ class Workbench:
         baseline.timing = results[baseline.name]
         self.progress("timing", 1, 1)
         return run
+
+
+def _require_reproducible(candidate: Candidate) -> None:
+    """Reject what may differ between CPUs; the report's rows are only compared with."""
+    shaky = estimates_in(candidate.source.source) or not is_reproducible(candidate.variant)
+    if shaky and candidate.variant["flags"] == "strict":
+        candidate.rejected = "its bits depend on the CPU or on the compiler"
 
 
 @cache

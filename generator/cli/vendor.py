@@ -24,6 +24,7 @@ if TYPE_CHECKING:  # the rest is imported when the command runs: --help shall no
 @click.option("--prefix", default="carom", show_default=True, help="what all names begin with")
 @click.option("--out", type=click.Path(path_type=Path), help="folder to write")
 @click.option("--single-header", is_flag=True, help="all in one header")
+@click.option("--reproducible", is_flag=True, help="the same bits on every CPU: no estimated roots")
 @click.option("--force", is_flag=True, help="replace a folder that was edited by hand")
 @click.option(
     "--seconds",
@@ -46,6 +47,7 @@ def vendor(
     prefix: str,
     out: Path | None,
     single_header: bool,
+    reproducible: bool,
     force: bool,
     seconds: float,
     verify: Path | None,
@@ -67,7 +69,10 @@ def vendor(
     names = checked_targets(target, _native(target))
     goal = Goal(steps, max_error)
     return _write(
-        make_request(names, scene, model, goal, prefix, single_header), out, force, seconds
+        make_request(names, scene, model, goal, prefix, single_header, reproducible),
+        out,
+        force,
+        seconds,
     )
 
 
@@ -101,6 +106,7 @@ def _kernels(request: VendorRequest, target: str, seconds: float) -> TargetKerne
     if (stored := stored_kernels(_places(), request, target)) is not None:
         return stored
     with workbench(target=find_target(target)) as bench:
+        bench.reproducible = request.reproducible
         return kernels_for(_places(), request, target, bench, read_host(), seconds)
 
 

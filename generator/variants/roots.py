@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from generator.mechanics.terms import drives_its_slip
 from generator.scenes.models import find_model
+from generator.scenes.scene import find_scene
 from generator.targets.target import Target
+from generator.variants.variant import Variant
 
 EXACT_ROOTS = ("inv", "ieee")  # by sqrt and division
 COARSEST_FIRST = ("est0", "est1", "cubic", "est2", "inv")
@@ -29,6 +31,18 @@ def _driven(model: str) -> bool:
 def amplification(model: str) -> float:
     """What a relative error of friction is multiplied by, at most, in a collision's result."""
     return _AMPLIFICATION_OF_DRIVEN_SLIP if _driven(model) else _AMPLIFICATION
+
+
+def is_reproducible(variant: Variant) -> bool:
+    """Are a kernel's bits what IEEE 754 says, on every CPU that has its instructions?
+
+    It must neither estimate roots nor leave it to the compiler what is fused or reordered.
+    """
+    codes = {variant.get(key) for key in ("rsqrt", "root", "lane_root")}
+    exact = variant.stepper.family == "exact" and not find_scene(variant.scene).level
+    estimates = codes & {"est0", "est1", "est2", "cubic"} or (exact and "inv" in codes)
+    estimates = estimates or variant.get("lane_root") == "inv"
+    return not estimates and variant["fma"] != "autofma" and variant["flags"] == "strict"
 
 
 def refined_error(code: str, estimate: float) -> float:

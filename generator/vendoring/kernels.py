@@ -34,6 +34,13 @@ class Places:
     generated: Path
     cache: Path
 
+    def of(self, request: VendorRequest) -> Places:
+        """Reproducible kernels are chosen among others, so their choices lie apart."""
+        if not request.reproducible:
+            return self
+        apart = self.cache / "reproducible"
+        return Places(apart, apart)
+
     def folders(self, target: str, scene: str) -> tuple[Path, ...]:
         """Where a selection may lie, the one that counts first."""
         roots = (self.generated, self.cache)
@@ -60,7 +67,7 @@ def stored_kernels(places: Places, request: VendorRequest, target: str) -> Targe
 
 def _find(places: Places, request: VendorRequest, target: str, goal: Goal) -> list[Selected]:
     """The entries for a goal in the first folder that has any for single calls."""
-    for folder in places.folders(target, request.scene):
+    for folder in places.of(request).folders(target, request.scene):
         selection = checked_selection(folder)
         if selection is None or selection.resolved != target:
             continue
@@ -171,7 +178,7 @@ def _errors_of(
 
 
 def _store(places: Places, request: VendorRequest, target: str, made: TargetKernels) -> None:
-    folder = places.cache / target / request.scene
+    folder = places.of(request).cache / target / request.scene
     selection = checked_selection(folder) or Selection(
         target=target, resolved=target, scene=request.scene, kernels=[]
     )

@@ -6,9 +6,15 @@ import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    model_serializer,
+)
 
 from generator import __version__
 from generator.choice.lookup import Goal
@@ -37,6 +43,15 @@ class Options(_Strict):
     steps: int | None
     prefix: str
     single_header: bool
+    reproducible: bool = False
+
+    @model_serializer(mode="wrap")
+    def _without_default(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Folders of the usual kind are as they were before there was another."""
+        document: dict[str, Any] = serialise(self)
+        if not self.reproducible:
+            del document["reproducible"]
+        return document
 
 
 class ErrorBound(_Strict):
@@ -79,7 +94,9 @@ class Manifest(_Strict):
         """The request that the folder was made for. InputError where it can be made no more."""
         o = self.options
         goal = Goal(o.steps, o.max_error)
-        return make_request(o.targets, o.scene, o.model, goal, o.prefix, o.single_header)
+        return make_request(
+            o.targets, o.scene, o.model, goal, o.prefix, o.single_header, o.reproducible
+        )
 
     def chosen(self) -> dict[str, TargetKernels]:
         """The kernels by target."""
@@ -118,6 +135,7 @@ def make_manifest(
             steps=goal.steps,
             prefix=request.prefix,
             single_header=request.single_header,
+            reproducible=request.reproducible,
         ),
         error=_error(request),
         kernels=tuple(kernels[target] for target in request.targets),

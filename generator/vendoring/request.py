@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from generator.choice.lookup import Goal
 from generator.errors import InputError
 from generator.scenes.models import find_model
-from generator.scenes.scene import find_scene
+from generator.scenes.scene import Scene, find_scene
 from generator.steppers.budgets import plan_for
 from generator.targets.target import find_target
 
@@ -36,6 +36,7 @@ class VendorRequest:
     goal: Goal
     prefix: str = "carom"
     single_header: bool = False
+    reproducible: bool = False  # the same bits on every CPU of an instruction set
 
     @property
     def command(self) -> str:
@@ -43,6 +44,7 @@ class VendorRequest:
         goal = f"--steps {self.goal.steps}" if self.goal.steps is not None else ""
         goal = goal or f"--max-error {self.goal.budget!r}"
         single = " --single-header" if self.single_header else ""
+        single += " --reproducible" if self.reproducible else ""
         return (
             f"./gen vendor --target {','.join(self.targets)} --scene {self.scene} "
             f"--model {self.model} {goal} --prefix {self.prefix}{single} --out DIR"
@@ -83,6 +85,7 @@ def make_request(
     goal: Goal,
     prefix: str,
     single_header: bool,
+    reproducible: bool = False,
 ) -> VendorRequest:
     """A request with the scene's own model and budget where none is named.
 
@@ -99,4 +102,22 @@ def make_request(
     elif not known.fixed_steps:
         raise InputError(f"--steps: scene {scene} has no fixed-step scheme; use --max-error")
     model = find_model(model or known.model).name
-    return VendorRequest(targets, scene, model, goal, checked_prefix(prefix), single_header)
+    if reproducible:
+        _require_reproducible(targets, known)
+    own = checked_prefix(prefix)
+    return VendorRequest(targets, scene, model, goal, own, single_header, reproducible)
+
+
+def _require_reproducible(targets: tuple[str, ...], scene: Scene) -> None:
+    """Raise InputError where not every CPU that runs the folder can give the same bits."""
+    if scene.friction_law != "given":
+        raise InputError(
+            f"--reproducible: scene {scene.name} makes u_b by the C library's exp, whose last bit "
+            "differs from one to another; expected a scene whose u_b is given"
+        )
+    arches = [find_target(name).row.arch for name in targets]
+    if len(set(arches)) < len(arches):
+        raise InputError(
+            f"--reproducible --target {','.join(targets)}: kernels for several instruction sets "
+            "round differently; expected one target for each architecture, the oldest needed"
+        )

@@ -23,6 +23,7 @@ from generator.variants.variant import Stepper, Variant, make_variant
 from generator.verification.errors import Array
 from generator.verification.euler import euler_verdict
 from generator.verification.reference import MODELS, load_reference
+from generator.verification.worst_estimates import at_worst
 
 EULER = Stepper("euler", steps=1000)
 WARNINGS = ("-Wall", "-Wextra", "-Werror")
@@ -72,14 +73,16 @@ def compiler_of(candidate: Variant) -> Compiler:
     return found.get(candidate["compiler"], next(iter(found.values())))
 
 
-def build_all(variants: list[Variant]) -> list[BuiltLibrary | KernelError]:
-    """Built with warnings as errors, besides their own flags."""
+def build_all(variants: list[Variant], worst: bool = False) -> list[BuiltLibrary | KernelError]:
+    """Built with warnings as errors, besides their own flags; `worst`: to run under a pattern of
+    estimates (verification.worst_estimates)."""
     jobs = []
     for each in variants:
         source, compiler = emit(each), compiler_of(each)
         flags = (*compile_flags(each, compiler, find_target(each.target)), *WARNINGS)
         texts = {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
-        jobs.append(BuildJob(name_of(each), texts, compiler, flags))
+        job = BuildJob(name_of(each), texts, compiler, flags)
+        jobs.append(at_worst(job) if worst else job)
     return build_many(jobs, CACHE)
 
 

@@ -16,6 +16,7 @@ from generator.variants.variant import Stepper, make_variant
 from generator.verification.errors import STATUS
 from generator.verification.euler import euler_verdict
 from generator.verification.reference import MODELS, load_reference
+from generator.verification.worst_estimates import PATTERNS
 
 OK, SEPARATING, BAD_INPUT, TILTED = range(4)
 SCALAR = {
@@ -238,6 +239,16 @@ def test_exact_batches_hold_their_budget(model):
         print(f"{each.target} x{each.width} {each.stepper.goal}: {worst.error:.2g}")
         assert (got[:, STATUS] == single[:, STATUS]).all()
         assert worst.passed, worst.line()
+    # What grows with a driven slip first: the other models are under test_worst_estimates.py.
+    shaky = [v for v in variants if model == "pooltool" and v["lane_root"] != "inv"]
+    for each, built in zip(shaky, build_all(shaky, worst=True), strict=True):
+        assert not isinstance(built, KernelError), built
+        for pattern in PATTERNS:
+            got = tool.run_kernel(built.path, cases, batch=True, environment=pattern.environment())
+            worst = Worst(each.stepper.budget)
+            worst.add(cases, ["all"] * len(cases), got, want)
+            print(f"{each.target} x{each.width}, {pattern.name}: {worst.error:.2g}")
+            assert worst.passed, f"{pattern.name}: {worst.line()}"
 
 
 def _arcade_rows(rows):

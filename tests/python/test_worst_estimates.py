@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from exact_kernels import Worst, load_hard, portable_target
-from kernels import CACHE, bench_tool, compiler_of
+from kernels import bench_tool, build_all
 
 from generator.choice import verifying, workbench
 from generator.choice.choose import found_errors
@@ -16,9 +16,8 @@ from generator.emission.kernel_source import emit
 from generator.steppers.budgets import tableaus_for
 from generator.targets.host import read_host
 from generator.targets.target import RSQRT14_ERROR, RSQRTSS_ERROR, find_target, targets
-from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
+from generator.toolchain.build import BuildJob, BuiltLibrary
 from generator.toolchain.compilers import compilers_for, find_compilers
-from generator.toolchain.flags import compile_flags
 from generator.variants.lanes import widths_of
 from generator.variants.presets import find_preset
 from generator.variants.roots import amplification
@@ -211,10 +210,7 @@ def test_the_tightest_legal_budget_holds_under_the_worst_estimates(
     if not read_host().runs(target):
         pytest.skip(f"{name} code does not run on this CPU")
     variant = _tightest(model, target, width, numbers, root)
-    source, compiler = emit(variant), compiler_of(variant)
-    flags = compile_flags(variant, compiler, target)
-    texts = {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
-    library = build_many([at_worst(BuildJob("limit", texts, compiler, flags))], CACHE)[0]
+    library = build_all([variant], worst=True)[0]
     assert isinstance(library, BuiltLibrary), library
     cases = np.vstack([load_reference().cases, load_hard()[1], tool.make_cases(77, 3000).rows])
     want = tool.expect(cases, "exact", model)

@@ -40,7 +40,12 @@ def record_for(request: VendorRequest, target: str, width: int = 1) -> Selected:
     """A kernel as if it had been chosen: what stands in a selection, without its hours."""
     goal = request.goal
     variant = default_kernel(find_target(target), request.scene, request.model, goal)
-    name = name_of(variant.in_lanes(width))
+    lanes = {}
+    if request.reproducible:
+        lanes = {"lane_root": "ieee"} if width > 1 else {}
+        if goal.steps is None:
+            variant = variant.with_options(root="ieee")
+    name = name_of(variant.in_lanes(width, **lanes))
     return Selected(
         kernel=name,
         file=file_of(name),
