@@ -191,7 +191,8 @@ def _subject(
 
 
 def _keep(found: list[Result]) -> None:
-    from generator.challenge.kept import FILE, keep
+    from generator.challenge.kept import keep
+    from generator.verification.hard_cases import FILE
 
     over = [("found_by_search", result.over[0].case) for result in found if result.over]
     if over:
