@@ -83,5 +83,7 @@ def choose_elsewhere(
             candidates, target.row.mca_cpu, lambda v: bench.timings.wins(v, batch)
         )
     if without:
-        model([baseline, choose_by_records(fit, target).chosen, *without])
+        winner = choose_by_records(fit, target).chosen
+        model([baseline, winner, *without])
+        winner.rejected = ""  # a kernel that was timed needs no model
     return choose_by_records(fit, target)

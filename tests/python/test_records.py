@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
@@ -13,6 +15,7 @@ from generator.choice.candidates import batch_candidates, exact_candidates, fixe
 from generator.choice.choose import choose_by_model, choose_by_records, selected
 from generator.choice.folder import write_folder
 from generator.choice.model_error import MODEL_ERROR
+from generator.choice.recorded import choose_elsewhere
 from generator.choice.selection import Selection
 from generator.choice.workbench import Candidate
 from generator.cli.main import gen
@@ -262,3 +265,19 @@ def test_a_page_says_what_the_kernel_chosen_for_one_cpu_costs_on_another() -> No
     assert found["zen3", "zen4"] == ("dp54 x1", 0.05 / 0.0399, 3)
     assert found["zen4", "zen3"] == ("dp54 x1 root=est1", 0.03 / 0.02, 2)
     assert cpu_costs(timings_of(records), "any", "mathavan2014") == []
+
+
+def test_a_timed_kernel_that_the_model_cannot_take_is_chosen_all_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    timed, other = candidate("inv", 0.3), candidate("est1")
+
+    def model(some: Sequence[Candidate]) -> None:
+        for each in some:
+            each.rejected = "llvm-mca: not to be replayed"
+
+    monkeypatch.setattr("generator.choice.recorded.note_records", lambda *known: None)
+    bench = SimpleNamespace(timings=timings_of([]))
+    choice = choose_elsewhere(bench, [timed, other], timed, ZEN3, False, model)  # type: ignore[arg-type]
+    assert (choice.chosen, choice.by) == (timed, "records")
+    assert "llvm-mca" in other.rejected
