@@ -190,7 +190,7 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
     ways = [(widest, root, way, "own") for root in roots for way in ("s2", "i1", "i2")]
     ways += [(width, root, "i2", "own") for root in roots for width in narrower[:1]]
     floats = float_lanes(single, target)
-    root = _exact_lane_roots(single, target, floats=True)[0]
+    root = _exact_lane_roots(single, target, floats=True)[0] if floats else ""
     ways += [(width, root, way, "float") for width in floats[:1] for way in ("s2", "i1")]
     ways += [(width, root, "s2", "float") for width in floats[1:2]]
     found = [
