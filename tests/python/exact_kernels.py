@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from kernels import EULER, build_all, compiler_of
 
-from generator.challenge.kept import FILE as FILE
 from generator.challenge.kept import hexfloats as hexfloats
 from generator.challenge.kept import keep as keep
 from generator.steppers.budgets import tableaus_for
@@ -24,6 +23,7 @@ from generator.variants.variant import Stepper, Variant, make_variant
 from generator.verification import hard_cases
 from generator.verification.errors import STATUS, Array, errors_of
 from generator.verification.floors import SPEEDS, nudged, rounding_of
+from generator.verification.hard_cases import FILE as FILE
 from generator.verification.reference import MODELS as MODELS
 
 BUDGETS = (1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
