@@ -1,5 +1,6 @@
-// raised_flags KERNEL.so ROWS N [trap]: which floating-point exceptions do calls and batches of N cases raise? ROWS: 24
-// doubles each, as bench/cases.h has them. With `trap` they are unmasked: the process dies of the first.
+// raised_flags KERNEL.so ROWS N [trap]: which floating-point exceptions do calls and batches of N
+// cases raise? ROWS: 24 doubles each, as bench/cases.h has them. With `trap` they are unmasked: the
+// process dies of the first.
 #include <dlfcn.h>
 #include <fenv.h>
 
@@ -15,8 +16,8 @@ struct Params {
   double R, M, u_s1, u_s2, u_b, e_b;
 };
 using Call = int (*)(const Params*, const double*, const double*, double*, double*);
-using Batch = std::size_t (*)(const Params*, const double*, std::size_t, const double* const*, double* const*,
-                              unsigned char*);
+using Batch = std::size_t (*)(const Params*, const double*, std::size_t, const double* const*,
+                              double* const*, unsigned char*);
 constexpr int kBad = FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW;
 
 int raised_by_call(Call call, const double* row, int* status) {
@@ -29,7 +30,8 @@ int raised_by_call(Call call, const double* row, int* status) {
 }
 
 // `n` cases from `first` on, with the parameters of the first of them but each its own u_b.
-int raised_by_batch(Batch batch, const std::vector<double>& rows, std::size_t first, std::size_t n) {
+int raised_by_batch(Batch batch, const std::vector<double>& rows, std::size_t first,
+                    std::size_t n) {
   std::vector<double> in(18 * n), out(12 * n), u_b(n);
   std::vector<unsigned char> status(n);
   const double* from[18];
@@ -63,8 +65,9 @@ int main(int count, char** words) {
   const std::size_t n = std::strtoul(words[3], nullptr, 10);
   std::vector<double> rows(24 * n);
   std::FILE* file = std::fopen(words[2], "rb");
-  if (file == nullptr || std::fread(rows.data(), sizeof(double), rows.size(), file) != rows.size()) return 2;
-  
+  if (file == nullptr || std::fread(rows.data(), sizeof(double), rows.size(), file) != rows.size())
+    return 2;
+
   int calls = 0, batches = 0;
   std::size_t statuses[5] = {};
   for (std::size_t i = 0; i < n; ++i) {
@@ -83,7 +86,7 @@ int main(int count, char** words) {
   for (std::size_t some = 1; some <= 70; ++some) try_batch((some * 37) % (n - some), some);
   for (std::size_t i = 0; i < n; i += 7) try_batch(i, 1);
   try_batch(0, n);
-  std::printf("%zu cases (status 0: %zu, 1: %zu, 2: %zu, 3: %zu): %d calls and %d batches raise\n", n, statuses[0],
-              statuses[1], statuses[2], statuses[3], calls, batches);
+  std::printf("%zu cases (status 0: %zu, 1: %zu, 2: %zu, 3: %zu): %d calls and %d batches raise\n",
+              n, statuses[0], statuses[1], statuses[2], statuses[3], calls, batches);
   return calls + batches > 0;
 }
