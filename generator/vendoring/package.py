@@ -17,6 +17,7 @@ from generator.scenes.scene import Scene, find_scene
 from generator.toolchain.flags import STRICT
 from generator.variants.names import variant_of
 from generator.vendoring.dispatch import dispatch_context, guard_of, is_mixed, unit_of
+from generator.vendoring.foreign_macros import FOREIGN_MACROS
 from generator.vendoring.golden import GoldenRow
 from generator.vendoring.kernels import TargetKernels
 from generator.vendoring.request import VendorRequest
@@ -35,6 +36,7 @@ class PackageContext:
     dispatched: bool
     header: str = ""  # for the single header: the text of the header
     unit_texts: tuple[str, ...] = ()  # and of what is compiled
+    foreign_macros: tuple[str, ...] = ()  # names in it that other headers may have as macros
 
     @property
     def prefix(self) -> str:
@@ -149,6 +151,7 @@ def package_files(
         "LICENSE": environment().get_template("vendor/LICENSE.j2").render(),
         "README.md": _page(request, "README.md", "", v=context),
         context.selftest: _page(request, "selftest.c", "/*", "a.c", v=context),
+        ".gitattributes": "* -text\n",  # else git may change line ends, and with them the hashes
     }
     if request.single_header:
         files[f"{request.prefix}.h"] = _single(request, context, header, units)
@@ -204,7 +207,11 @@ def _single(
         assert own in text
         macros = dict.fromkeys(_MACRO.findall(text))
         texts.append(text.replace(own, "") + "".join(f"#undef {name}\n" for name in macros))
-    whole = replace(context, sources=(), header=header, unit_texts=tuple(texts))
+    used = set(re.findall(r"[A-Za-z_]\w*", "".join(texts)))
+    macros = tuple(name for name in FOREIGN_MACROS if name in used)
+    whole = replace(
+        context, sources=(), header=header, unit_texts=tuple(texts), foreign_macros=macros
+    )
     return _page(request, "single.h", "/*", v=whole)
 
 
