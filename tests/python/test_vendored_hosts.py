@@ -62,6 +62,7 @@ def test_macros_of_other_headers_do_no_harm(pair, tmp_path: Path) -> None:
     _macros(folder)
     headers = "cstddef optional type_traits utility cmath cstdint cstring limits immintrin.h"
     standard = "".join(f"#include <{name}>\n" for name in headers.split())
+    standard += '#include "macros.h"\n'
     texts = {
         "c.c": '#include <stddef.h>\n#include "macros.h"\n#include "carom.h"\n',
         "typed.cpp": f'{standard}#include "carom.hpp"\n',
