@@ -20,7 +20,7 @@ from generator.toolchain.compilers import Compiler
 from generator.toolchain.loops import ARM_CONDITIONS
 from generator.toolchain.mca import assembly_of
 
-MOST_BLOCKS = 1 << 20  # that one trace holds; 64 collisions of an exact kernel run some 15,000
+MOST_BLOCKS = 1 << 22  # that one trace holds; 32 collisions in 1000 steps run some 600,000
 _LABEL = re.compile(r"^[.\w$@]+:")
 
 
