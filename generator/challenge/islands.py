@@ -69,10 +69,17 @@ class Island:
         """What was found elsewhere, better than its own: it goes on from there."""
         self.since = 0 if score > 1.02 * self.best else self.since
         self.best, self.genes, self.case = score, genes, case
-        self._begin(genes, _NARROW)
+        if self.strategy is not None:
+            self.strategy.inject([genes])
 
     def _begin(self, genes: Array | None, width: float) -> None:
-        options = {"popsize": _POPULATION, "verbose": -9, "seed": self.seed}
+        draw = np.random.default_rng(self.seed).standard_normal  # not NumPy's, which threads share
+        options = {
+            "popsize": _POPULATION,
+            "verbose": -9,
+            "seed": np.nan,
+            "randn": lambda *shape: draw(shape),
+        }
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             self.strategy = cma.CMAEvolutionStrategy(genes, width, options)
