@@ -208,9 +208,9 @@ def _single(
         macros = dict.fromkeys(_MACRO.findall(text))
         texts.append(text.replace(own, "") + "".join(f"#undef {name}\n" for name in macros))
     used = set(re.findall(r"[A-Za-z_]\w*", "".join(texts)))
-    macros = tuple(name for name in FOREIGN_MACROS if name in used)
+    foreign = tuple(name for name in FOREIGN_MACROS if name in used)
     whole = replace(
-        context, sources=(), header=header, unit_texts=tuple(texts), foreign_macros=macros
+        context, sources=(), header=header, unit_texts=tuple(texts), foreign_macros=foreign
     )
     return _page(request, "single.h", "/*", v=whole)
 
