@@ -25,6 +25,7 @@ from generator.mechanics.masses import Masses, masses_of, pressed_changes
 from generator.mechanics.terms import ContactTerms, drives_its_slip
 from generator.scenes.scene import Scene
 from generator.steppers.budgets import StepControl, plan_for
+from generator.steppers.ellipse import largest_weight, sticking_bound
 from generator.steppers.tableaus import Tableau
 from generator.targets.target import Target
 from generator.variants.lane_numbers import precision_of
@@ -35,6 +36,8 @@ MOST_STEPS = 4000
 _DX, _DZ, _DQ = sp.symbols("d_x d_z dq")
 _TAIL_DX, _TAIL_DZ, _TAIL_TX, _TAIL_TY = sp.symbols("d_tail_x d_tail_z t_tail_x t_tail_y")
 STACK = 28 << 10  # bytes that a function of a batch may hold in arrays: carom.h promises 32 KiB
+SPIN = 2.5  # R w changes by so much of an impulse: 1 / (2/5) of a ball's inertia
+NEGLECTED = 0.1  # share of the budget that a step may miss of what it does not look at
 SLIPS_BEFORE = ("c_x", "c_z", "s1x", "s1y", "s2x", "s2y", "v_n")
 
 
@@ -56,7 +59,6 @@ class ExactContext:
     root_text: str
     tiny_square: str
     tiny_slip: str  # a table slip with a direction, but of no account
-    least_bounce: str  # e_b up to this: the end of restitution is taken from its start
     over: str  # share of q that is nothing: a collision with no more to go is over; empty: none
     before: tuple[str, ...]  # slips from velocities
     relative: tuple[str, ...]  # the components of v1 - v2
@@ -81,7 +83,7 @@ class ExactContext:
     dense_contact: tuple[str, ...]  # of the other impulses
     drift: tuple[str, ...]  # b, the rate of the table slip
     landed: tuple[str, ...]  # slips from the impulses of a part of a step
-    pull_x: str  # how table friction along x changes c_x, per unit of it
+    k_xt: float  # c_x' = ... - k_xt t_x
     k_f: float  # s' = ... + k_f t
     approach_share: str  # of table friction in the change of v_n, as a factor
     tail_s_x: str
@@ -187,6 +189,28 @@ class ExactContext:
         return self.control.rest * (0.03 if self.k_f < 0 else 1)
 
     @property
+    def of_account(self) -> float:
+        """Friction on the table, in tolerances, below which a step need not mind where s passes.
+
+        Unseen it makes at most NEGLECTED of the budget, whichever way a step's weights turn it.
+        """
+        return _figures(NEGLECTED / (SPIN * largest_weight(self.tableau) * self.control.tolerance))
+
+    @property
+    def gone(self) -> float:
+        """Contact slip, in tolerances, that is taken away at once: SPIN / k_z of it is an error."""
+        return _figures(NEGLECTED / 10 / self.control.tolerance)
+
+    @property
+    def tail_unseen(self) -> float:
+        """What the step into sticking may miss, over u_s |c_z|, where s passes zero within it."""
+        return _figures(SPIN * sticking_bound(self.tableau)[0] / self.k_z)
+
+    @property
+    def sticking_power(self) -> int:
+        return sticking_bound(self.tableau)[1]
+
+    @property
     def landing_turns(self) -> int:
         """Newton iterations for the end of a collision on an interpolant, where it takes any."""
         return 2 if self.budget >= 1e-7 else 4
@@ -195,6 +219,11 @@ class ExactContext:
     def dense_landing(self) -> bool:
         """Is the end taken anywhere in a step, on its dense interpolant? Else near its end."""
         return self.budget < 1e-7
+
+    @property
+    def extend(self) -> float:
+        """How far beyond a step's end its interpolant may end the collision, in steps."""
+        return 5e-4 if self.dense_landing else 0.05
 
     @property
     def inside(self) -> float:
@@ -247,6 +276,11 @@ def _roots(method: str, target: Target, real: str, lanes: bool) -> tuple[Estimat
 
 def _printed(form: sp.Expr) -> str:
     return ExpressionPrinter(True, fma_name="fma", number_format="real({})").print(form)
+
+
+def _figures(value: float) -> float:
+    """To three figures: more would say more than is known."""
+    return float(f"{value:.3g}")
 
 
 def _times(share: object, text: str) -> str:
@@ -312,7 +346,6 @@ def _pressed_context(
         root_text=text,
         tiny_square="1e-24" if floats else "1e-36",
         tiny_slip="1e-9" if floats else "1e-15",
-        least_bounce="3e-4" if floats else "1e-5",
         over="0x1p-23" if floats else "",
         before=ends.slips(n for n in slips if n not in resting).lines,
         relative=ends.relative("per_scale" if scaled else "").lines,
@@ -340,7 +373,7 @@ def _pressed_context(
         dense_contact=lowering.dense(("d_x", "d_z", "t_x")).lines if table else (),
         drift=lowering.drift().lines if table else (),
         landed=lowering.landed().lines if table else (),
-        pull_x=_times(-changes[s.C_X].coeff(s.T2X), "start.u_s * u_x"),
+        k_xt=-float(changes[s.C_X].coeff(s.T2X)),
         k_f=float(k_f),
         approach_share=_times(changes[s.V_N].coeff(s.T2Y), ""),
         tail_t_x=_times(-changes[s.C_X].coeff(s.T2X), "t_tail_x"),

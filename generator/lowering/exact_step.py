@@ -96,6 +96,12 @@ class ExactLowering:
         self.printer = ExpressionPrinter(place_fma, fma_name="fma", number_format="real({})")
         self.changes = pressed_changes(terms, masses)
 
+    @property
+    def tail_bend(self) -> float:
+        """On the way into sticking c_x / c_z is as this power of 1 - t without table friction."""
+        k_x, k_z = self.changes[s.C_X].coeff(s.D_X), self.changes[s.C_Z].coeff(s.D_Z)
+        return float(2 * (k_x / k_z - 1))
+
     def parts(self) -> ExactStep:
         rates = self._rates()
         stages = tuple(self._stage(i, rates.counts) for i in range(1, self.tableau.stages))
@@ -352,7 +358,8 @@ class ExactLowering:
             values = ", ".join(f"z{i}_{part}" for part in parts)
             left = 1 - tableau.c[i]
             # All are zero at the end.
-            rates = f"tail_rates(start, at, s_x0, s_y0, z{i}, {number(_rational(left))})"
+            bent = float(left) ** self.tail_bend
+            rates = f"tail_rates(start, at, s_x0, s_y0, z{i}, {number(_rational(left))}, {bent})"
             if left > 0 or i == tableau.stages - 1:
                 lines += [*block.lines, f"const Tail z{i} = {{{values}}};"]
             if left > 0:
