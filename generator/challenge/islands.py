@@ -152,13 +152,17 @@ class Archipelago:
             self._leave(island)
         return self.found
 
+    def _good(self) -> list[Found]:
+        """The best left behind. Not what is refused: there is nothing larger to be found there."""
+        return [f for f in self.found if np.isfinite(f.score)][:_KEPT]
+
     def _parents(self) -> list[Found]:
         here = [
             Found(island.best, island.chart, island.genes, island.case)
             for island in self._islands
-            if island.case is not None
+            if island.case is not None and np.isfinite(island.best)
         ]
-        return sorted([*self.found[:_KEPT], *here], key=lambda f: -f.score)[: self.size]
+        return sorted([*self._good(), *here], key=lambda f: -f.score)[: self.size]
 
     def _mutants(self, parent: Found) -> Array:
         shape = (_MUTANTS, len(GENES))
@@ -192,7 +196,8 @@ class Archipelago:
 
     def _new(self) -> Island:
         seed = int(self._rng.integers(1, 2**31))
-        if self.found and self._rng.random() < _AGAIN:
-            good = self.found[int(self._rng.integers(min(_KEPT, len(self.found))))]
-            return Island(good.chart, seed, near=good.genes)
+        good = self._good()
+        if good and self._rng.random() < _AGAIN:
+            start = good[int(self._rng.integers(len(good)))]
+            return Island(start.chart, seed, near=start.genes)
         return Island(draw_chart(self._rng, self.within), seed)

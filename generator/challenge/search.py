@@ -22,6 +22,7 @@ from generator.verification.floors import rounding_of
 LANES = 2  # archipelagos at once: a constant, so that what is found does not depend on the machine
 _ISLANDS = 24
 _CONFIRMED = 24  # of the best of a search, by the oracle in long double
+_REFUSED = 3  # of them may be cases that were refused
 _EACH = 6  # findings of a kind that are kept
 Kind = Literal["error", "refused", "steep", "floor", "jump", "energy", "symmetry", "slow"]
 
@@ -105,10 +106,16 @@ def search(
     with ThreadPoolExecutor(LANES) as pool:
         lanes = list(pool.map(lane, range(LANES)))
     judge = subject.judge()
-    best = sorted((f for _, found in lanes for f in found), key=lambda f: -f.score)[:_CONFIRMED]
-    findings = confirmed(judge, hunt, best)
+    findings = confirmed(judge, hunt, _best([f for _, found in lanes for f in found]))
     evaluations = judge.evaluations + sum(each.evaluations for each, _ in lanes)
     return _result(hunt, findings, evaluations, time.monotonic() - start)
+
+
+def _best(found: Sequence[Found]) -> list[Found]:
+    """The largest of what was found, with a few of the cases that were refused."""
+    ordered = sorted(found, key=lambda f: -f.score)
+    refused = [f for f in ordered if np.isinf(f.score)][:_REFUSED]
+    return [*refused, *(f for f in ordered if np.isfinite(f.score))][:_CONFIRMED]
 
 
 def confirmed(judge: Judge, hunt: Hunt, found: Sequence[Found]) -> list[Finding]:
