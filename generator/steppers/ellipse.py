@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Sequence
 from functools import cache
 
 from generator.steppers.tableaus import Tableau
@@ -28,19 +27,13 @@ def steepness(rho: float) -> float:
     return 1 / (rho * rho + 1 / (rho * rho) - 1)
 
 
-def _straight(share: float) -> tuple[float, float]:
-    return share, 1.0
-
-
 def _into_sticking(share: float) -> tuple[float, float]:
     """The slip falls as (1 - t)^2, and so does the rest of the path; friction is its rate."""
     left = 1 - share
     return 1 - left * left, 2 * left
 
 
-def _missed(
-    tableau: Tableau, path: Callable[[float], tuple[float, float]], closest: complex
-) -> float:
+def _missed(tableau: Tableau, closest: complex) -> float:
     """The error of the integral of s/|s| on a path of length 1 past zero at `closest`."""
     at, miss = closest.real, max(abs(closest.imag), 1e-9)
 
@@ -50,41 +43,26 @@ def _missed(
     along, across = (high - low for high, low in zip(whole(1.0), whole(0.0), strict=True))
     for weight, share in zip(tableau.b, tableau.c, strict=False):
         if weight:
-            x, pace = path(float(share))
+            x, pace = _into_sticking(float(share))
             size = math.hypot(x - at, miss)
             along -= float(weight) * pace * (x - at) / size
             across -= float(weight) * pace * miss / size
     return max(abs(along), abs(across))
 
 
-def _largest(tableau: Tableau, path: Callable[[float], tuple[float, float]], rho: float) -> float:
+def _largest(tableau: Tableau, rho: float) -> float:
     angles = [math.pi * (i + 0.5) / _ANGLES for i in range(_ANGLES)]
     points = [(rho * cmath.exp(1j * a) + cmath.exp(-1j * a) / rho + 2) / 4 for a in angles]
-    return max(_missed(tableau, path, point) for point in points)
-
-
-def _factor(tableau: Tableau, path: Callable[[float], tuple[float, float]], power: int) -> float:
-    return max(_largest(tableau, path, rho) / steepness(rho) ** power for rho in _SIZES)
-
-
-@cache
-def passage_bound(tableau: Tableau) -> tuple[float, int]:
-    """A step misses at most factor / P^power of the friction on the table over its length."""
-    power = max(1, (tableau.order + 1) // 2)
-    return _factor(tableau, _straight, power), power
+    return max(_missed(tableau, point) for point in points)
 
 
 @cache
 def sticking_bound(tableau: Tableau) -> tuple[float, int]:
-    """The same of the step into sticking, whose nodes crowd at its end."""
+    """The step into sticking misses at most factor / P^power of the friction left on the table."""
     power = max(1, (tableau.order + 1) // 2 - 1)
-    return _factor(tableau, _into_sticking, power), power
+    return max(_largest(tableau, rho) / steepness(rho) ** power for rho in _SIZES), power
 
 
 def largest_weight(tableau: Tableau) -> float:
     """The most that a step can miss of the friction on the table, whichever way it turns."""
-    return 1 + float(sum(map(abs, _weights(tableau))))
-
-
-def _weights(tableau: Tableau) -> Sequence[float]:
-    return [float(w) for w in tableau.b]
+    return 1 + float(sum(map(abs, tableau.b)))
