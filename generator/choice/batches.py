@@ -39,22 +39,22 @@ def batch_job(
     variants = _with_recorded_lanes(bench, variants, single.variant, target)
     candidates = bench.prepare([first.variant, single.variant, *variants], target)
     bench.compile(candidates)
-    wide = candidates[2:]
+    wide, own = candidates[2:], None
     if host.runs(target) or bench.emulated is not None:
         expected = bench.expected(scene, single.variant.model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
-        verify(bench, candidates, expected)
+        own = verify(bench, candidates, expected)
         if all(c.rejected for c in wide):
             return None
     if host.is_a(target):
         run = bench.time(candidates, candidates[0], scene, seconds, batches=True)
-        choice = choose_sought(bench, lambda: choose_by_time(wide, run, host))
+        choice = choose_sought(bench, own, lambda: choose_by_time(wide, run, host))
         return candidates, candidates[0], choice
 
     def model(some: Sequence[Candidate]) -> None:
         model_all(bench, some, target, bench.batch_cases(scene, single.variant.model))
 
     choice = choose_sought(
-        bench, lambda: choose_elsewhere(bench, wide, candidates[0], target, True, model)
+        bench, own, lambda: choose_elsewhere(bench, wide, candidates[0], target, True, model)
     )
     return candidates, candidates[0], choice
 

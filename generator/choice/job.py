@@ -72,12 +72,13 @@ def _prepared(
     return candidates
 
 
-def verify(bench: Workbench, candidates: Sequence[Candidate], expected: Expected) -> None:
-    """On all cases; under an emulator, which takes ms for each, on every fifth of them."""
+def verify(bench: Workbench, candidates: Sequence[Candidate], expected: Expected) -> Expected:
+    """On all cases; under an emulator, which takes ms for each, on every fifth. Returns these."""
     if bench.emulated is not None:
         expected = _thinned(expected)
     bench.verify(candidates, expected)
     bench.labels = expected.labels
+    return expected
 
 
 def _thinned(expected: Expected) -> Expected:
@@ -110,18 +111,18 @@ def _judged(
 
     Else chosen by what was timed on such a CPU, and by llvm-mca.
     """
-    first = candidates[0]
+    first, own = candidates[0], None
     if host.runs(target) or bench.emulated is not None:
-        verify(bench, candidates, expected)
+        own = verify(bench, candidates, expected)
     if host.is_a(target):
         run = bench.time(candidates, first, scene, seconds)
-        choice = choose_sought(bench, lambda: choose_by_time(candidates, run, host))
+        choice = choose_sought(bench, own, lambda: choose_by_time(candidates, run, host))
         return candidates, first, choice
 
     def model(some: Sequence[Candidate]) -> None:
         model_all(bench, some, target, bench.timing_cases(scene, first.variant.model))
 
     choice = choose_sought(
-        bench, lambda: choose_elsewhere(bench, candidates, first, target, False, model)
+        bench, own, lambda: choose_elsewhere(bench, candidates, first, target, False, model)
     )
     return candidates, first, choice

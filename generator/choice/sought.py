@@ -20,6 +20,7 @@ from generator.challenge.search import (
 )
 from generator.choice.choose import Choice
 from generator.choice.store import key_of
+from generator.choice.verifying import Expected
 from generator.choice.workbench import Candidate, Workbench
 from generator.errors import KernelError
 from generator.scenes.scene import find_scene
@@ -47,18 +48,20 @@ class Sought:
         return f"{verdict}{largest}, {self.evaluations} evaluations, seed {self.seed}"
 
 
-def choose_sought(bench: Workbench, choose: Callable[[], Choice]) -> Choice:
-    """The first choice in which a short search finds nothing over the budget.
+def choose_sought(
+    bench: Workbench, expected: Expected | None, choose: Callable[[], Choice]
+) -> Choice:
+    """The first choice that holds `expected` under the worst root estimates, and a short search.
 
-    What is over is rejected, and the next is chosen, which meets that case first. Where `TRIES`
-    kernels are over, or no other is left, the first choice stands, and says so: a kernel that
-    nearly always holds is worth more than none.
+    What does not is rejected and the next is chosen, which meets the case that the search found
+    first. Where the search finds `TRIES` kernels over, or no other is left, the first choice
+    stands, and says so: a kernel that nearly always holds is worth more than none.
     """
     first: Choice | None = None
     known: list[Array] = []
     for _ in range(TRIES):
         try:
-            choice = choose()
+            choice = _held_at_worst(bench, expected, choose)
         except KernelError:
             if first is None:
                 raise
@@ -76,6 +79,18 @@ def choose_sought(bench: Workbench, choose: Callable[[], Choice]) -> Choice:
     assert first is not None
     first.chosen.rejected = ""
     return first
+
+
+def _held_at_worst(
+    bench: Workbench, expected: Expected | None, choose: Callable[[], Choice]
+) -> Choice:
+    """The first choice that holds under the worst root estimates. KernelError where none does."""
+    while True:
+        choice = choose()
+        if expected is not None:
+            bench.verify_at_worst([choice.chosen], expected)
+        if not choice.chosen.rejected:
+            return choice
 
 
 def sought(bench: Workbench, candidate: Candidate, known: Sequence[Array]) -> Sought | None:

@@ -241,11 +241,11 @@ class Workbench:
             self.progress("verifying", index, len(alive))
             self._verify_one(candidate, expected)
         self.progress("verifying", len(alive), len(alive))
-        self._verify_at_worst([c for c in alive if not c.rejected], expected)
 
-    def _verify_at_worst(self, candidates: Sequence[Candidate], expected: Expected) -> None:
-        """What held on this CPU, where it estimates roots, under the worst estimates allowed."""
-        shaky = [c for c in candidates if estimates_in(c.source.source)]
+    def verify_at_worst(self, candidates: Sequence[Candidate], expected: Expected) -> None:
+        """What `verify` passed, where it estimates roots, under the worst estimates allowed."""
+        alive = [c for c in candidates if c.verdict is not None and not c.rejected]
+        shaky = [c for c in alive if estimates_in(c.source.source)]
         if not shaky:
             return
         what = "verifying under the worst root estimates"

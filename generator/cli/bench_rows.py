@@ -107,7 +107,9 @@ def bench_rows(
             variants.append(found)
         candidates = tools.prepare(variants, target)
         tools.compile(candidates)
-        tools.verify(candidates, tools.expected(scene, model, 1000, VERIFY_SEED, VERIFY_RANDOM))
+        expected = tools.expected(scene, model, 1000, VERIFY_SEED, VERIFY_RANDOM)
+        tools.verify(candidates, expected)
+        tools.verify_at_worst(candidates, expected)
         single = [c for c in candidates if c.variant.width == 1]
         wide = [c for c in candidates if c.variant.width > 1]
         ghz = None

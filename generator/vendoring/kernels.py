@@ -171,7 +171,7 @@ def _errors_of(
     bench.compile([candidate])
     steps = variant.stepper.steps
     expected = bench.expected(request.scene, request.model, steps, VERIFY_SEED, VERIFY_RANDOM)
-    verify(bench, [candidate], expected)
+    bench.verify_at_worst([candidate], verify(bench, [candidate], expected))
     if candidate.rejected or candidate.verdict is None:
         raise KernelError(f"{candidate.name}: {candidate.rejected}")
     return found_errors(candidate.verdict)

@@ -176,7 +176,7 @@ def choosing(monkeypatch: pytest.MonkeyPatch, held: dict[str, bool]) -> Choice:
         return sought.Sought(100, 1, 0.5 if holds else 7.0, holds, csv_row("x", flawed(0.5)[0]))
 
     monkeypatch.setattr(sought, "sought", found)
-    return sought.choose_sought(None, choose)  # type: ignore[arg-type]
+    return sought.choose_sought(None, None, choose)  # type: ignore[arg-type]
 
 
 def test_kernel_that_the_search_breaks_is_not_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
