@@ -13,7 +13,7 @@ from rich.console import Console
 
 from generator.choice.job import STEPS
 from generator.cli.interrupts import kept
-from generator.cli.session import ROOT, resolve_target, workbench
+from generator.cli.session import RECORDED, ROOT, resolve_target, workbench
 from generator.cli.sweep_display import SweepDisplay, displayed
 from generator.cli.sweep_run import say_too_short
 from generator.errors import InputError
@@ -105,5 +105,5 @@ def _plan(target: Target, budgets: tuple[float, ...], minutes: float) -> Plan:
         exhaustive=False,
         minutes=minutes,
         trials=None,
-        timings=read_timings(ROOT, lambda line: Console(stderr=True).print(f"carom: {line}")),
+        timings=read_timings(RECORDED, lambda line: Console(stderr=True).print(f"carom: {line}")),
     )

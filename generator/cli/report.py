@@ -50,7 +50,7 @@ def report(
     seconds: float,
 ) -> None:
     """Lay out a stored sweep and what was measured as one page; its data goes beside as JSON."""
-    from generator.cli.session import ROOT, resolve_target
+    from generator.cli.session import RECORDED, resolve_target
     from generator.files import require_place, write_file
     from generator.places import cache_folder
     from generator.records.evidence import read_timings
@@ -85,7 +85,7 @@ def report(
     commands += [measured.command] if measured else []
     where = f" --store {store}" if store else ""
     commands.append(f"./gen report{options}{where} --out {out.name}")
-    timings = read_timings(ROOT, lambda line: click.echo(f"carom: {line}", err=True))
+    timings = read_timings(RECORDED, lambda line: click.echo(f"carom: {line}", err=True))
     costs = cpu_costs(timings, scene, known)
     made = gather(resolved.name, scene, known, host.cpu, stored, measured, commands, costs)
     page = render(made)

@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from generator.choice.workbench import Workbench
 from generator.errors import InputError
-from generator.places import cache_folder, working_root
+from generator.places import cache_folder, sources, working_root
 from generator.records.evidence import read_timings
 from generator.targets.host import Host, read_host
 from generator.targets.target import Target, find_target
@@ -20,6 +20,7 @@ from generator.timing.emulated import emulated_runner
 from generator.toolchain.compilers import compilers_for, find_compilers, missing
 
 ROOT = working_root()  # `generated/` is in it
+RECORDED = tuple(dict.fromkeys((sources(), ROOT)))  # `timings/` is in them: ours, and the user's
 
 
 def resolve_target(name: str) -> tuple[Target, Host]:
@@ -65,5 +66,7 @@ def workbench(
             console.print(f"carom: going on without: {lacking}", highlight=False)
         show("building the bench", 0, 1)
         tool = build_bench_tool(cache_folder())
-        timings = read_timings(ROOT, lambda line: console.print(f"carom: {line}", highlight=False))
+        timings = read_timings(
+            RECORDED, lambda line: console.print(f"carom: {line}", highlight=False)
+        )
         yield Workbench(tool, cache_folder(), compilers, show, fresh, emulated, timings)

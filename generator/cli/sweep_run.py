@@ -16,7 +16,7 @@ from generator.choice.folder import checked_selection, require_writable
 from generator.choice.job import STEPS
 from generator.cli.cluster import connected
 from generator.cli.interrupts import kept
-from generator.cli.session import ROOT, resolve_target, workbench
+from generator.cli.session import RECORDED, ROOT, resolve_target, workbench
 from generator.cli.sweep_display import SweepDisplay, displayed, say_outcomes, say_verified
 from generator.errors import InputError
 from generator.places import cache_folder
@@ -109,7 +109,7 @@ def _plan(
         exhaustive=asked.exhaustive,
         minutes=asked.minutes,
         trials=asked.trials,
-        timings=read_timings(ROOT, lambda line: Console(stderr=True).print(f"carom: {line}")),
+        timings=read_timings(RECORDED, lambda line: Console(stderr=True).print(f"carom: {line}")),
     )
 
 

@@ -149,11 +149,11 @@ def told(found: Sequence[Found], modelled: int = 0) -> str:
     return f"{text}; {modelled} more modelled by llvm-mca" if modelled else text
 
 
-def read_timings(root: Path, say: Callable[[str], None] = lambda line: None) -> Timings:
-    """All of `timings/`; each line that does not read is said and skipped."""
+def read_timings(roots: Iterable[Path], say: Callable[[str], None] = lambda line: None) -> Timings:
+    """All of `timings/` in these folders; each line that does not read is said and skipped."""
     records: list[TimingRecord] = []
     damaged: list[str] = []
-    for path in sorted((root / FOLDER).glob(f"*{SUFFIX}")):
+    for path in (path for root in roots for path in sorted((root / FOLDER).glob(f"*{SUFFIX}"))):
         if path.stem not in targets():
             raise InputError(
                 f"{path}: no such target; name the file after one of ./gen list targets"

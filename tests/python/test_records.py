@@ -71,7 +71,7 @@ def test_the_committed_records_read_and_stand_in_the_order_they_are_written_in(
 
 
 def test_on_a_zen_3_the_recorded_winner_of_pooltool_takes_at_most_037_of_paper_initial() -> None:
-    timings = read_timings(ROOT)
+    timings = read_timings([ROOT])
     assert timings.damaged == ()
     least = timings.contest("zen3", "any/pooltool/n1000/scalar")
     winners = timings.winners("zen3", "any/pooltool/n1000/scalar")
@@ -166,7 +166,7 @@ def test_a_record_of_the_code_as_it_is_goes_before_one_of_earlier_code() -> None
 
 
 def test_where_a_contact_model_was_not_timed_the_same_recipes_of_another_tell_more() -> None:
-    timings = read_timings(ROOT)
+    timings = read_timings([ROOT])
     pooltool = timings.fastest("any/pooltool/n1000/scalar", "zen3", 1)[0]
     other = replace(pooltool, model="bottom_slip")
     found = timings.find("zen3", other, False, BASE.basis)
