@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from generator.scenes.scene import find_scene
+from generator.steppers.tableaus import TABLEAUS
 from generator.targets.target import Target
 from generator.variants.lane_numbers import precision_of, steps_in_doubles
 from generator.variants.lanes import widths_of
@@ -44,6 +45,24 @@ def _roots_in_budget(v: Variant, target: Target) -> bool:
     return alone and (
         v.width == 1 or allows(budget, v.model, v["lane_root"], target, in_floats=_floats(v))
     )
+
+
+# carom.h promises at most 128 KiB of stack a function of unoptimised code, where every operation of
+# a step has its own place. Vectors that Clang's `make_step` takes, by nonzero weights of stages and
+# interpolant: 732 for 10 (ss43), 1116 for 26 (dp54), 1734 for 68 (dp87), 2795 for 130 (dop853).
+# What is within that keeps to 32 KiB when optimised. In pairs (`s2`) every stage is a function.
+MOST_UNOPTIMISED = 128 << 10
+_STEP_VECTORS, _VECTORS_A_WEIGHT = 700, 17
+
+
+def unoptimised_stack(v: Variant) -> int:
+    """Bytes that the largest function of exact lanes takes of the stack, unoptimised; at most."""
+    if v.width == 1 or v.stepper.family != "exact" or _closed(v) or v.paired:
+        return 0
+    tableau = TABLEAUS[v.stepper.name]
+    weights = sum(bool(weight) for row in (*tableau.rows, *tableau.dense) for weight in row)
+    vector = v.width * v.vectors * (4 if precision_of(v) == "float" else 8)
+    return vector * (_STEP_VECTORS + _VECTORS_A_WEIGHT * weights)
 
 
 RULES: tuple[Rule, ...] = (
@@ -204,6 +223,11 @@ RULES: tuple[Rule, ...] = (
         "pairs-need-stages",
         "only the steps of an exact kernel have stages that two vectors can make in turn",
         lambda v, _t: v.paired and (v.stepper.family != "exact" or _closed(v)),
+    ),
+    Rule(
+        "lanes-fit-the-stack",
+        "a step of so many lanes takes more than 128 KiB of stack unoptimised: use interleave=s2",
+        lambda v, _t: unoptimised_stack(v) > MOST_UNOPTIMISED,
     ),
 )
 

@@ -42,7 +42,7 @@ IN_DOUBLES = (
     ("x86-64-v3", 4, "dp54", 1e-6, {"interleave": "s2", "lane_root": "est1", "fma": "fma"}),
     ("x86-64-v4", 8, "dp54", 1e-6, {"interleave": "s2", "root": "est1", "fma": "fma"}),
     ("x86-64-v4", 8, "ss43", 1e-3, {"interleave": "i1", "root": "est0", "fma": "fma"}),
-    ("x86-64-v4", 8, "dop853", 1e-9, {"interleave": "i2", "root": "cubic", "fma": "fma"}),
+    ("x86-64-v4", 8, "dop853", 1e-9, {"interleave": "s2", "root": "cubic", "fma": "fma"}),
 )
 # Steps in floats, the caller's arrays and the frame in doubles.
 STEPS_IN_FLOATS = (
