@@ -17,13 +17,13 @@ int main() {
   const std::vector<double> x = {0.02, 0.0, 0.02};
   const std::vector<double> y = {0.0535, 0.05715, 0.0535};
 
-  std::array<carom::Status, n> statuses{};
+  std::array<carom::CollisionStatus, n> statuses{};
   const auto collided = carom::collide(
       cloth, {{zero, zero, zero}, {cue[0], cue[1], cue[2]}, {cue[3], cue[4], cue[5]}},
       {{x, y, zero}, {object[0], object[1], object[2]}, {object[3], object[4], object[5]}},
       {{cue[0], cue[1], cue[2]}, {cue[3], cue[4], cue[5]}},
       {{object[0], object[1], object[2]}, {object[3], object[4], object[5]}}, statuses);
-  if (!collided || *collided != 2 || statuses[2] != carom::Status::separating) return 1;
+  if (!collided || *collided != 2 || statuses[2] != carom::CollisionStatus::separating) return 1;
   for (std::size_t i = 0; i < *collided; ++i) {
     std::printf("the object ball leaves with %.4f %.4f m/s\n", object[0][i], object[1][i]);
   }

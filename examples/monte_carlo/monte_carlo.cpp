@@ -92,7 +92,7 @@ class Table {
 
   void count(std::size_t i, Tally& tally) const {
     ++tally.shots;
-    if (status_[i] != carom::Status::ok) {
+    if (status_[i] != carom::CollisionStatus::ok) {
       ++tally.missed;
       return;
     }
@@ -107,7 +107,7 @@ class Table {
   double aim_noise_, pocket_ = 0.0;
   Balls cue_, object_;
   std::vector<double> u_b_ = std::vector<double>(kBatch);
-  std::vector<carom::Status> status_ = std::vector<carom::Status>(kBatch);
+  std::vector<carom::CollisionStatus> status_ = std::vector<carom::CollisionStatus>(kBatch);
 };
 
 void show_progress(std::size_t done, std::size_t all) {

@@ -247,7 +247,7 @@ class ExactContext:
         for n in reversed(range(len(self.tableau.dense))):
             inner = f"fma({text}, r{n + 5})" if text else f"r{n + 5}"
             text = f"{'t' if n % 2 else 'u'}, {inner}"
-        return f"t * fma(u, fma(t, fma({text}, near.r4), near.r3), near.whole)"
+        return f"t * fma(u, fma(t, fma({text}, lower.r4), lower.r3), lower.whole)"
 
     @property
     def counts(self) -> OperationCounts:

@@ -132,7 +132,7 @@ class CollisionEnds:
         share2 = -lift_changes(1)[s.V2[2]].coeff(s.D_Z).subs(self.masses.values())
         positive, negative = "(sum_dz > 0.0 ? sum_dz : 0.0)", "(sum_dz < 0.0 ? sum_dz : 0.0)"
         if self.lanes:
-            positive, negative = "max(sum_dz, real(0.0))", "min(sum_dz, real(0.0))"
+            positive, negative = "larger(sum_dz, real(0.0))", "smaller(sum_dz, real(0.0))"
         up = self._times(share1, positive)
         down = self._times(share2, negative)
         first = "" if self.member[s.V1[2]] == 0 else "b.v1z + "

@@ -24,7 +24,7 @@ _IMPULSE = re.compile(r"rates_at|rates_at_rest|select_rates|tail_rates")
 _UPDATE = re.compile(
     r"advance|finish_sticking|remaining_impulse|interpolant|joint_error"
     r"|pass_zero|plan_step|make_steps?|stage_[0-9]+|begin_turn|put_aside|end_turn|step_lanes|step_pair"
-    r"|stick_lanes|work_through|move|run|halt|stop|push"
+    r"|stick_lanes|work_through|step_once|run|halt|stop|push"
     r"|read|ahead|steps_ahead|go_on|after_chatter|collide_block|collide_all"
 )
 _STEPPED = re.compile(r"iterate\w*|step_pressed")

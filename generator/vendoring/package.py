@@ -17,7 +17,6 @@ from generator.scenes.scene import Scene, find_scene
 from generator.toolchain.flags import STRICT
 from generator.variants.names import variant_of
 from generator.vendoring.dispatch import dispatch_context, guard_of, is_mixed, unit_of
-from generator.vendoring.foreign_macros import FOREIGN_MACROS
 from generator.vendoring.golden import GoldenRow
 from generator.vendoring.kernels import TargetKernels
 from generator.vendoring.request import VendorRequest
@@ -36,7 +35,6 @@ class PackageContext:
     dispatched: bool
     header: str = ""  # for the single header: the text of the header
     unit_texts: tuple[str, ...] = ()  # and of what is compiled
-    foreign_macros: tuple[str, ...] = ()  # names in it that other headers may have as macros
 
     @property
     def prefix(self) -> str:
@@ -207,11 +205,7 @@ def _single(
         assert own in text
         macros = dict.fromkeys(_MACRO.findall(text))
         texts.append(text.replace(own, "") + "".join(f"#undef {name}\n" for name in macros))
-    used = set(re.findall(r"[A-Za-z_]\w*", "".join(texts)))
-    foreign = tuple(name for name in FOREIGN_MACROS if name in used)
-    whole = replace(
-        context, sources=(), header=header, unit_texts=tuple(texts), foreign_macros=foreign
-    )
+    whole = replace(context, sources=(), header=header, unit_texts=tuple(texts))
     return _page(request, "single.h", "/*", v=whole)
 
 

@@ -5,6 +5,8 @@
 
 #include "carom.hpp"
 
+static_assert(std::is_same_v<carom::Status, carom::CollisionStatus>, "the older name");
+
 namespace {
 
 struct Columns {
@@ -35,14 +37,15 @@ int main() {
   cue.angular_velocity = {-52.5, 0.0, 12.0};
   object.position = {0.02, 0.0535, 0.0};
   const carom::Result one = carom::collide(p, cue, object);
-  if (one.status != carom::Status::ok) return 1;
-  if (carom::collide(p, one.ball1, one.ball2).status != carom::Status::separating) return 2;
+  if (one.status != carom::CollisionStatus::ok) return 1;
+  if (carom::collide(p, one.ball1, one.ball2).status != carom::CollisionStatus::separating)
+    return 2;
 
   constexpr std::size_t n = 7;
   Columns first = columns(n, cue);
   Columns second = columns(n, object);
   first.values[4][3] = -1.5;  // this one parts
-  std::vector<carom::Status> statuses(n);
+  std::vector<carom::CollisionStatus> statuses(n);
   const std::vector<double> short_column(n - 1, 0.05);
   if (carom::collide(p, first.before(), second.before(), first.after(), second.after(), statuses,
                      short_column)) {
@@ -52,7 +55,8 @@ int main() {
       carom::collide(p, first.before(), second.before(), first.after(), second.after(), statuses);
   if (!done || *done != n - 1) return 4;
   for (std::size_t i = 0; i < n; ++i) {
-    if (statuses[i] != (i == 3 ? carom::Status::separating : carom::Status::ok)) return 5;
+    if (statuses[i] != (i == 3 ? carom::CollisionStatus::separating : carom::CollisionStatus::ok))
+      return 5;
     const double error = second.values[4][i] - (i == 3 ? 0.0 : one.ball2.velocity.y);
     if (error > 3e-6 || error < -3e-6) return 6;
   }
