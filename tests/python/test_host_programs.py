@@ -86,6 +86,20 @@ def program(tmp_path_factory: pytest.TempPathFactory):
     return run
 
 
+FLOATS_IN_AVX2 = ("x86-64-v3", 8, "dp54", 1e-6, EXACT[7][4])
+
+
+@pytest.mark.parametrize("kernel", (KERNELS[0], FLOATS_IN_AVX2), ids=_name)
+def test_clang_makes_no_division_that_a_mask_or_a_branch_leaves_out(kernel, program) -> None:
+    if not any(compiler.code == "clang" for compiler in find_compilers()):
+        pytest.skip("no Clang here")
+    if not read_host().runs(find_target(kernel[0])):
+        pytest.skip(f"{kernel[0]} code does not run on this CPU")
+    library = _built(_mathavan(kernel).with_options(compiler="clang")).path
+    assert "0 calls and 0 batches raise" in program("raised_flags", library)
+    program("raised_flags", library, "trap")
+
+
 def _library(kernel: tuple) -> Path:
     if not read_host().runs(find_target(kernel[0])):
         pytest.skip(f"{kernel[0]} code does not run on this CPU")
