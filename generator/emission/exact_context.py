@@ -139,6 +139,7 @@ class ExactContext:
         """Vectors of collisions that may wait for those of them that take long."""
         lanes = self.lane_bytes // (4 if self.real == "float" else 8)
         kept = len(self.results) * self.lane_bytes + 16 * lanes  # and status, distance in double
+        kept += 24  # where it is in the batch, how much of it is left, its number in two lists
         return STACK // kept
 
     @property
