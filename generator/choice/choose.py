@@ -38,14 +38,14 @@ def _preferred(tied: Sequence[Candidate]) -> Candidate:
 
 
 def eligible(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Verified kernels with IEEE arithmetic: -Ofast is for the report's rows alone."""
+    """Verified kernels that round as they are written: -Ofast is for the report's rows alone."""
     found = [
         c
         for c in candidates
         if not c.rejected
         and c.verdict is not None
         and c.verdict.passed
-        and c.variant["flags"] == "strict"
+        and c.variant.rounds_as_written
     ]
     if not found:
         reasons = "; ".join(sorted({c.rejected for c in candidates if c.rejected})[:3])

@@ -16,6 +16,7 @@ from generator.variants.axes import axis
 from generator.variants.variant import Variant
 
 NEGLIGIBLE = 1.01  # what takes no more than this of the fastest may be chosen
+_NOT_CHOSEN = ("flags=", "fma=autofma")  # in a recipe: a compiler decides how it rounds
 WON = 1.02  # what takes no more than this of the fastest has won, too: two timings differ by 1 %
 
 # A recipe as far as it tells of a contest's time; the fields of a contest without its target.
@@ -65,7 +66,7 @@ class Timings:
         found = {
             recipe: min(records, key=lambda r: (r.spread, r.line()))
             for (name, recipe), records in self.by_cpu.get(cpu, {}).items()
-            if name == contest and "flags=" not in recipe
+            if name == contest and not any(each in recipe for each in _NOT_CHOSEN)
         }
         return dict(sorted(found.items(), key=lambda each: (each[1].ratio, each[0])))
 

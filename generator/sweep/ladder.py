@@ -61,7 +61,7 @@ class Entry:
 def eligible(entry: Entry) -> bool:
     """May it be chosen? Timed to the end, and with IEEE arithmetic (-Ofast is the report's)."""
     timed = bool(entry.trials) and entry.last.times is not None
-    return timed and entry.variant["flags"] == "strict"
+    return timed and entry.variant.rounds_as_written
 
 
 def by_ratio(entries: Sequence[Entry]) -> list[Entry]:

@@ -42,7 +42,7 @@ def is_reproducible(variant: Variant) -> bool:
     exact = variant.stepper.family == "exact" and not find_scene(variant.scene).level
     estimates = codes & {"est0", "est1", "est2", "cubic"} or (exact and "inv" in codes)
     estimates = estimates or variant.get("lane_root") == "inv"
-    return not estimates and variant["fma"] != "autofma" and variant["flags"] == "strict"
+    return not estimates and variant.rounds_as_written
 
 
 def refined_error(code: str, estimate: float) -> float:

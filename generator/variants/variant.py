@@ -90,6 +90,11 @@ class Variant:
         """Are the stages of an exact step made for two vectors in turn?"""
         return self.get("interleave") == "s2"
 
+    @property
+    def rounds_as_written(self) -> bool:
+        """Does its text decide how it rounds, and no compiler? Only such a kernel may be chosen."""
+        return self.get("flags") == "strict" and self.get("fma") != "autofma"
+
     def distance_from_default(self) -> int:
         """How many options differ from the default; ties are broken by it."""
         return sum(code != axis(key).default for key, code in self.options)
