@@ -29,6 +29,7 @@ struct Expect {
   std::string model = "mathavan2014";
   long steps = 1000;      ///< of euler
   double mass_ratio = 1;  ///< ball 1 to ball 2, whose mass is the case's; not of euler
+  double mass1 = 0;       ///< of ball 1 in kg, in place of a ratio; 0: as the ratio says
   unsigned threads = 0;   ///< 0: one a core
 };
 void expect(const Expect& options);

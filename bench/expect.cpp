@@ -44,12 +44,18 @@ ExpectedRow solve_exactly(const CaseRow& row, carom_oracle::Model model, double 
 }
 
 Solve exact_solver(const Expect& options, carom_oracle::Model model) {
-  const double ratio = options.mass_ratio;
+  const double ratio = options.mass_ratio, mass1 = options.mass1;
+  const auto ratio_of = [ratio, mass1](const CaseRow& row) {
+    return mass1 > 0 ? mass1 / row[kM] : ratio;
+  };
   if (options.method == "screen") {
-    return [model, ratio](const CaseRow& row) { return solve_exactly<double>(row, model, ratio); };
+    return [model, ratio_of](const CaseRow& row) {
+      return solve_exactly<double>(row, model, ratio_of(row));
+    };
   }
-  return
-      [model, ratio](const CaseRow& row) { return solve_exactly<long double>(row, model, ratio); };
+  return [model, ratio_of](const CaseRow& row) {
+    return solve_exactly<long double>(row, model, ratio_of(row));
+  };
 }
 
 ExpectedRow solve_by_steps(const CaseRow& row, carom_oracle::Model model, long steps) {
@@ -65,6 +71,7 @@ Solve solver(const Expect& options) {
     throw std::runtime_error("--method " + options.method + ": expected exact, screen or euler");
   }
   if (options.mass_ratio != 1) throw std::runtime_error("--mass-ratio: expected 1 with euler");
+  if (options.mass1 > 0) throw std::runtime_error("--mass1: expected none with euler");
   if (options.steps < 1) throw std::runtime_error("--steps: expected at least 1");
   const long steps = options.steps;
   return [model, steps](const CaseRow& row) { return solve_by_steps(row, model, steps); };

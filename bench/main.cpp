@@ -37,8 +37,11 @@ void add_expect(CLI::App* app, Expect* options) {
   sub->add_option("--method", options->method, "exact, screen or euler")->required();
   sub->add_option("--model", options->model, "mathavan2014, bottom_slip or pooltool")->required();
   sub->add_option("--steps", options->steps, "steps of euler");
-  sub->add_option("--mass-ratio", options->mass_ratio, "mass of ball 1 to that of ball 2; of exact")
-      ->check(CLI::PositiveNumber);
+  auto* ratio = sub->add_option("--mass-ratio", options->mass_ratio,
+                                "mass of ball 1 to that of ball 2; of exact");
+  sub->add_option("--mass1", options->mass1, "kg, mass of ball 1; M is that of ball 2; of exact")
+      ->check(CLI::PositiveNumber)
+      ->excludes(ratio->check(CLI::PositiveNumber));
   sub->add_option("--out", options->out, "file to write")->required();
   sub->add_option("--threads", options->threads, "threads; 0: one a core");
   sub->callback([options] { carom_bench::expect(*options); });

@@ -13,6 +13,7 @@ from generator.mechanics.terms import drives_its_slip
 from generator.scenes.models import find_model
 from generator.verification.errors import STATUS, VELOCITIES, Array, errors_of
 from generator.verification.floors import SPEEDS, rounding_of
+from generator.verification.scene_cases import mass_ratios
 
 Hunt = Literal["error", "jump", "energy", "symmetry", "slow"]
 HUNTS: tuple[Hunt, ...] = ("error", "jump", "energy", "symmetry", "slow")
@@ -89,7 +90,7 @@ def growth(judge: Judge, cases: Array) -> Array:
 
     Where the model itself makes it grow: by how much more than it should.
     """
-    ratio = judge.within.scene.mass_ratio
+    ratio = mass_ratios(judge.within.scene, cases)
     columns = [*range(9, 15), *range(18, 24)]
     before = kinetic_energy(cases, cases[:, columns], ratio)
     if drives_its_slip(find_model(judge.within.model).terms):

@@ -75,7 +75,7 @@ class Judge:
         return relative
 
 
-def kinetic_energy(cases: Array, velocities: Array, mass_ratio: float) -> Array:
+def kinetic_energy(cases: Array, velocities: Array, mass_ratio: float | Array) -> Array:
     """Of both balls, over half the mass of ball 2; `velocities` in rows of v1, w1, v2, w2."""
     squares = velocities[:, :VELOCITIES] ** 2
     spin = 0.4 * cases[:, 0] ** 2

@@ -26,6 +26,7 @@ from generator.choice.verifying import (
 from generator.emission.isa import estimates_in
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import KernelError
+from generator.mechanics.masses import MassRatio
 from generator.records.evidence import Found, Timings
 from generator.scenes.scene import Scene, find_scene
 from generator.targets.host import read_host
@@ -216,7 +217,7 @@ class Workbench:
         return HardCases(cases, exact[::NEIGHBOURS], steep)
 
     def _oracle(
-        self, cases: Array, method: Method, model: str, steps: int, mass_ratio: float = 1.0
+        self, cases: Array, method: Method, model: str, steps: int, mass_ratio: MassRatio = 1.0
     ) -> Array:
         key = key_of(self.tool.executable.name, cases, method, model, steps, mass_ratio)
         return self.store.kept_array(

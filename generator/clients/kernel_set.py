@@ -7,7 +7,7 @@ takes the first row that its CPU runs.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,12 +19,14 @@ from generator.emission.isa import compiled_features
 from generator.emission.kernel_source import KernelSource, Naming, emit
 from generator.files import write_file
 from generator.scenes.models import MODELS
+from generator.scenes.scene import find_scene
 from generator.targets.target import Target, target_or_port
 from generator.variants.names import name_of, symbol_of
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Variant
 
 SCENE = "any"
+UNEQUAL, UNEQUAL_MODELS = "unequal", ("mathavan2014", "bottom_slip")  # pooltool: of equal balls
 STEPS = 1000  # pooltool's default; the kernel takes any other number too
 BUDGETS = (1e-3, 1e-6, 1e-9)  # loosest, so fastest, first
 TARGETS = ("x86-64-v4", "x86-64-v3", "x86-64-v2")  # best first
@@ -53,6 +55,16 @@ class Row:
         return self.variant.model
 
     @property
+    def unequal(self) -> bool:
+        """Is it of balls of two masses?"""
+        return self.variant.scene == UNEQUAL
+
+    @property
+    def parameters(self) -> str:
+        """What its parameters are made from, in their order."""
+        return ", ".join(f"p.{name}" for name in find_scene(self.variant.scene).free)
+
+    @property
     def steps(self) -> int:
         """N of a fixed-step kernel, 0 for others."""
         return self.variant.stepper.steps or 0
@@ -63,8 +75,8 @@ class Row:
         return repr(self.variant.stepper.budget or 0.0)
 
 
-def _single(target: Target, model: str, goal: Goal) -> Variant:
-    first = default_kernel(target, SCENE, model, goal)
+def _single(target: Target, scene: str, model: str, goal: Goal) -> Variant:
+    first = default_kernel(target, scene, model, goal)
     if goal.budget is None:
         return first
     for least, root in _ROOTS:
@@ -74,22 +86,28 @@ def _single(target: Target, model: str, goal: Goal) -> Variant:
     return first
 
 
-def _variant(target: Target, model: str, goal: Goal) -> Variant:
-    return default_lanes(_single(target, model, goal), target)
+def _variant(target: Target, scene: str, model: str, goal: Goal) -> Variant:
+    return default_lanes(_single(target, scene, model, goal), target)
 
 
 def rows(targets: tuple[str, ...] = TARGETS) -> tuple[Row, ...]:
-    """The whole set: by model, then goal, then target, best first."""
-    goals = (Goal(steps=STEPS), *(Goal(budget=budget) for budget in BUDGETS))
-    return tuple(_rows(targets, goals))
+    """The whole set: by model, then goal, then target, best first; then those of two masses."""
+    budgets = tuple(Goal(budget=budget) for budget in BUDGETS)
+    equal = _rows(targets, SCENE, [model.name for model in MODELS], (Goal(steps=STEPS), *budgets))
+    if targets == WASM_TARGETS:  # its interface gives one mass
+        return tuple(equal)
+    return (*equal, *_rows(targets, UNEQUAL, UNEQUAL_MODELS, budgets))
 
 
-def _rows(targets: tuple[str, ...], goals: tuple[Goal, ...]) -> Iterator[Row]:
-    for model in MODELS:
+def _rows(
+    targets: tuple[str, ...], scene: str, models: Iterable[str], goals: tuple[Goal, ...]
+) -> Iterator[Row]:
+    begin = "carom" if scene == SCENE else f"carom_{scene}"
+    for model in models:
         for goal in goals:
             for name in targets:
-                variant = _variant(target_or_port(name), model.name, goal)
-                short = symbol_of(f"carom_{model.name}_{variant.stepper.goal}_{name}")
+                variant = _variant(target_or_port(name), scene, model, goal)
+                short = symbol_of(f"{begin}_{model}_{variant.stepper.goal}_{name}")
                 yield Row(short, name, variant)
 
 

@@ -21,7 +21,13 @@ from generator.lowering.exact_step import (
 from generator.lowering.fixed_step import Part
 from generator.lowering.printer import ExpressionPrinter, Fma, decimal_product, number
 from generator.mechanics import symbols as s
-from generator.mechanics.masses import Masses, masses_of, pressed_changes
+from generator.mechanics.masses import (
+    GIVEN_BETAS,
+    GIVEN_PRESSED,
+    Masses,
+    masses_of,
+    pressed_changes,
+)
 from generator.mechanics.terms import ContactTerms, drives_its_slip
 from generator.scenes.scene import Scene
 from generator.steppers.budgets import StepControl, plan_for
@@ -68,8 +74,11 @@ class ExactContext:
         str, str
     ]  # the table slips, by the names they have, or 0.0 where known to be zero
     k_x: float  # c_x' = k_x d_x + ...
-    k_z: float  # c_z' = k_z d_z + ...
-    k_zt: float  # c_z' = ... + k_zt t_y
+    k_z: str  # c_z' = k_z d_z + ...
+    k_zt: str  # c_z' = ... + k_zt t_y
+    zt_per_z: str  # k_zt / k_z
+    zt_per_x: str  # k_zt / k_x
+    turn_share: str  # (k_x - k_z) / k_x
     per_k_x: str  # their inverses, exact but for one rounding
     per_k_z: str
     drift_x: str
@@ -83,8 +92,11 @@ class ExactContext:
     dense_contact: tuple[str, ...]  # of the other impulses
     drift: tuple[str, ...]  # b, the rate of the table slip
     landed: tuple[str, ...]  # slips from the impulses of a part of a step
-    k_xt: float  # c_x' = ... - k_xt t_x
-    k_f: float  # s' = ... + k_f t
+    k_xt: str  # c_x' = ... - k_xt t_x
+    xt_per_x: str  # k_xt / k_x
+    bending: str  # k_x k_zt / k_z
+    least_k_z: float  # of all masses that there may be
+    k_f: sp.Expr  # s' = ... + k_f t
     approach_share: str  # of table friction in the change of v_n, as a factor
     tail_s_x: str
     tail_s_y: str
@@ -99,6 +111,8 @@ class ExactContext:
     scaled: bool = True  # are speeds scaled (they are where they may be any)?
     one_table: bool = False  # is table friction the same for both balls?
     other: ExactContext | None = None  # unequal masses: as this one (ball 2 pressed), for ball 1
+    masses_given: bool = False  # with the call?
+    tail_bend: str = ""  # the power of 1 - t on the way into sticking, where masses make it
     width: int = 1
     lane_bytes: int = 8  # of a vector in flight
     together: int = 1  # vectors whose steps are made at once
@@ -177,17 +191,27 @@ class ExactContext:
     @property
     def leaving(self) -> str:
         """How fast the table slip grows at least, away from zero."""
-        return _printed(Fma(min(self.k_f, 0.0), *sp.symbols("phi l_b")))
+        return _printed(Fma(self.k_f if self.drives else sp.Integer(0), *sp.symbols("phi l_b")))
+
+    @property
+    def drives(self) -> bool:
+        """Does table friction drive the table slip on?"""
+        return bool(self.k_f.is_negative)
+
+    @property
+    def push(self) -> str:
+        """How strongly, per table friction."""
+        return _value(-self.k_f)
 
     @property
     def beaten(self) -> str:
         """The push of the table that beats all else: a tenth more than it is."""
-        return decimal_product(1.1, -self.k_f)
+        return _value(-self.k_f * sp.Rational(11, 10))
 
     @property
     def rest_share(self) -> float:
         """Table slip that counts as zero, in tolerances / friction; it matters where it grows."""
-        return self.control.rest * (0.03 if self.k_f < 0 else 1)
+        return self.control.rest * (0.03 if self.drives else 1)
 
     @property
     def of_account(self) -> float:
@@ -205,7 +229,7 @@ class ExactContext:
     @property
     def tail_unseen(self) -> float:
         """What the step into sticking may miss, over u_s |c_z|, where s passes zero within it."""
-        return _figures(SPIN * sticking_bound(self.tableau)[0] / self.k_z)
+        return _figures(SPIN * sticking_bound(self.tableau)[0] / self.least_k_z)
 
     @property
     def sticking_power(self) -> int:
@@ -284,18 +308,38 @@ def _figures(value: float) -> float:
     return float(f"{value:.3g}")
 
 
-def _times(share: object, text: str) -> str:
-    return text if share == 1 else f"real({number(share)}) * {text}"
+def _times(share: sp.Expr, text: str) -> str:
+    factor = _printed(share)
+    return text if share == 1 else f"({factor}) * {text}" if share.is_Add else f"{factor} * {text}"
+
+
+def _value(form: sp.Expr) -> str:
+    """As a literal, or in masses that are given with the call."""
+    return repr(float(form)) if form.is_number else _printed(form)
+
+
+def _least(form: sp.Expr) -> float:
+    """Over all masses that there may be, of what is linear in them."""
+    return min(float(form.subs(GIVEN_PRESSED.beta2, end)) for end in GIVEN_BETAS)
+
+
+def _over(top: sp.Expr, bottom: sp.Expr) -> str:
+    """A quotient as `_value`; of numbers as doubles divide them."""
+    if top.is_number and bottom.is_number:
+        return repr(float(top) / float(bottom))
+    return _printed(sp.cancel(top / bottom))
 
 
 def exact_context(
     variant: Variant, scene: Scene, terms: ContactTerms, target: Target
 ) -> ExactContext:
     """Decide everything that an exact kernel's templates show."""
-    masses = masses_of(scene.mass_ratio)
+    masses = GIVEN_PRESSED if scene.masses_given else masses_of(scene.mass_ratio)
     context = _pressed_context(variant, scene, terms, target, masses)
     if variant.width > 1:
         return replace(context, batch=_pressed_context(variant, scene, terms, target, masses, True))
+    if scene.masses_given:  # one system holds, whichever ball is pressed
+        return replace(context, masses_given=True)
     if masses.equal or not scene.table_friction or scene.level:
         return context
     return replace(context, other=_pressed_context(variant, scene, terms, target, masses.swapped()))
@@ -320,7 +364,8 @@ def _pressed_context(
     k_b, k_f = changes[s.S2Y].coeff(s.D_Z), changes[s.S2X].coeff(s.T2X)
     plan = plan_for(variant.stepper.budget, variant.stepper.name, drives_its_slip(terms))
     drive, recoil = changes[s.S2Y].coeff(s.DQ), -changes[s.S2X].coeff(s.D_X)
-    k_z = float(changes[s.C_Z].coeff(s.D_Z))
+    k_x, k_xt = changes[s.C_X].coeff(s.D_X), -changes[s.C_X].coeff(s.T2X)
+    k_z, k_zt = changes[s.C_Z].coeff(s.D_Z), changes[s.C_Z].coeff(s.T2Y)
     root = variant["lane_root" if lanes else "root"]
     found, newton, text = _roots(root, target, real, lanes)
     ends = CollisionEnds(terms, masses_of(scene.mass_ratio), at_zero(scene), fma, lanes)
@@ -356,11 +401,14 @@ def _pressed_context(
             n: ("real(0.0)" if lanes else "0.0") if n in resting else n
             for n in ("s1x", "s1y", "s2x", "s2y")
         },
-        k_x=float(changes[s.C_X].coeff(s.D_X)),
-        k_z=k_z,
-        k_zt=float(changes[s.C_Z].coeff(s.T2Y)),
-        per_k_x=number(1 / changes[s.C_X].coeff(s.D_X)),
-        per_k_z=number(1 / changes[s.C_Z].coeff(s.D_Z)),
+        k_x=float(k_x),
+        k_z=_value(k_z),
+        k_zt=_value(k_zt),
+        zt_per_z=_over(k_zt, k_z),
+        zt_per_x=_over(k_zt, k_x),
+        turn_share=_over(k_x - k_z, k_x),
+        per_k_x=number(1 / k_x),
+        per_k_z=_value(1 / k_z),
         drift_x=_printed(-recoil * _DX),
         drift_y=_printed(Fma(k_b, _DZ, drive)),
         tail_s_x=_printed(Fma(k_f, _TAIL_TX, -recoil * _TAIL_DX)),
@@ -374,8 +422,12 @@ def _pressed_context(
         dense_contact=lowering.dense(("d_x", "d_z", "t_x")).lines if table else (),
         drift=lowering.drift().lines if table else (),
         landed=lowering.landed().lines if table else (),
-        k_xt=-float(changes[s.C_X].coeff(s.T2X)),
-        k_f=float(k_f),
+        k_xt=_value(k_xt),
+        xt_per_x=_over(k_xt, k_x),
+        bending=_over(k_x * k_zt, k_z),
+        least_k_z=_least(k_z),
+        tail_bend="" if lowering.tail_bend.is_number else _printed(lowering.tail_bend),
+        k_f=k_f,
         approach_share=_times(changes[s.V_N].coeff(s.T2Y), ""),
         tail_t_x=_times(-changes[s.C_X].coeff(s.T2X), "t_tail_x"),
         tail_t_y=_times(changes[s.V_N].coeff(s.T2Y), "t_tail_y"),

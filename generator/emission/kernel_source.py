@@ -20,9 +20,16 @@ from generator.lowering.counts import OperationCounts
 from generator.lowering.fixed_step_loops import Loop, LoopBuilder
 from generator.lowering.printer import number
 from generator.lowering.text_counts import operations_in
-from generator.mechanics.masses import masses_of
+from generator.mechanics.masses import MASS_RATIOS, masses_of
 from generator.scenes.models import find_model
-from generator.scenes.scene import ALCIATORE, LIMITS, TABLE_FRICTION, UNITS, Scene, find_scene
+from generator.scenes.scene import (
+    ALCIATORE,
+    TABLE_FRICTION,
+    UNITS,
+    Scene,
+    case_value,
+    find_scene,
+)
 from generator.targets.target import Target, target_or_port
 from generator.variants.lane_numbers import precision_of
 from generator.variants.names import source_name_of
@@ -32,6 +39,7 @@ from generator.variants.variant import Variant
 MEANINGS = {
     "R": "m, radius of both balls",
     "M": "kg, mass of both balls",
+    "M1": "kg, mass of ball 1: {:g} to {:g} times that of ball 2".format(*MASS_RATIOS),
     "u_s1": "1, sliding friction of ball 1 and the table",
     "u_s2": "1, sliding friction of ball 2 and the table",
     "u_b": "1, friction between the balls",
@@ -205,11 +213,22 @@ class KernelContext:
 
 
 def _meaning(key: str, scene: Scene) -> str:
+    if key == "M" and scene.masses_given:
+        return "kg, mass of ball 2"
     if key == "M" and not scene.equal_masses:
         return f"kg, mass of ball 2; that of ball 1 is {scene.mass_ratio:g} times as much"
     if key == "u_b" and scene.friction_law == "alciatore":
         return "1, friction between the balls, made from their slip"
     return MEANINGS[key]
+
+
+def _check(key: str, scene: Scene) -> str:
+    """The condition that a parameter given with the call is in its range."""
+    if key == "M1":  # products with whole numbers: a ratio at either end is not rounded out
+        low, high = MASS_RATIOS
+        return f"p.M1 * {1 / low!r} >= p.M && p.M1 <= {high!r} * p.M"
+    low, high = scene.range_of(key)
+    return f"in_range(p.{key}, {low!r}, {high!r})"
 
 
 def _fields(scene: Scene) -> tuple[tuple[Field, ...], tuple[Field, ...], tuple[Field, ...]]:
@@ -223,10 +242,9 @@ def _fields(scene: Scene) -> tuple[tuple[Field, ...], tuple[Field, ...], tuple[F
         if key in values
     )
     free = []
-    for key in UNITS:
+    for key in scene.members:
         if key not in values:
-            low, high = scene.range_of(key)
-            check = f"in_range(p.{key}, {low!r}, {high!r})"
+            check = _check(key, scene)
             free.append(Field(key, _meaning(key, scene), check=check))
     fields = tuple(f for f in free if f.name in scene.free)
     return fixed, tuple(free), fields
@@ -247,18 +265,22 @@ def _motions(scene: Scene, lift: bool) -> tuple[tuple[str, ...], tuple[tuple[str
     return tuple(zero), ((("ball1[5]", "ball2[5]"),) if scene.level and lift else ())
 
 
+def _range_text(key: str, scene: Scene) -> str:
+    if key == "M1":
+        return "{:g} M to {:g} M".format(*MASS_RATIOS)
+    return "{:g} to {:g}".format(*scene.range_of(key))
+
+
 def _contract(variant: Variant, scene: Scene, method: tuple[str, ...]) -> tuple[str, ...]:
     model = find_model(variant.model)
-    parameters = ", ".join(
-        f"{key} {LIMITS[key][0] if key not in scene.ranges else scene.ranges[key][0]:g} to "
-        f"{scene.range_of(key)[1]:g}"
-        for key in scene.free
-    )
-    balls = (
-        "two equal balls"
-        if scene.equal_masses
-        else f"two balls of one radius, ball 1 {scene.mass_ratio:g} times as heavy as ball 2"
-    )
+    parameters = ", ".join(f"{key} {_range_text(key, scene)}" for key in scene.free)
+    balls = "two balls of one radius, of masses M1 and M"
+    if not scene.masses_given:
+        balls = (
+            "two equal balls"
+            if scene.equal_masses
+            else f"two balls of one radius, ball 1 {scene.mass_ratio:g} times as heavy as ball 2"
+        )
     lines = (
         f"Frictional collision of {balls}, contact model `{model.name}`: {model.text}.",
         method[0],
@@ -527,6 +549,5 @@ def emit_header(
 def emit_probe(prefix: str, fields: tuple[Field, ...], fixed_step: bool, law: bool = False) -> str:
     """The adapter through which bench/ calls any scene's kernel with all six parameters."""
     template = environment().get_template("probe.cpp.j2")
-    order = {key: index for index, key in enumerate(UNITS)}
-    indexed = [(f.name, order[f.name]) for f in fields]
-    return template.render(prefix=prefix, fields=indexed, fixed_step=fixed_step, law=law)
+    values = [(f.name, case_value(f.name, "given")) for f in fields]
+    return template.render(prefix=prefix, fields=values, fixed_step=fixed_step, law=law)

@@ -16,7 +16,7 @@ from generator.lowering.printer import ExpressionPrinter, number
 from generator.lowering.statements import Assign, lower
 from generator.mechanics import symbols as s
 from generator.mechanics.contact import lift_changes, slips, velocity_changes
-from generator.mechanics.masses import Masses, pressed_changes
+from generator.mechanics.masses import EQUAL, Masses, pressed_changes
 from generator.mechanics.terms import ContactTerms
 from generator.scenes.scene import Scene
 
@@ -105,9 +105,9 @@ class CollisionEnds:
         return Part((*part.lines, *self._lift()), part.counts + self._lift_counts())
 
     def level(self) -> LevelForms:
-        """What holds without vertical slip: c_x' = k d_x and v_n' = n, both derived."""
+        """What holds without vertical slip, whatever the masses: c_x' = k d_x and v_n' = n."""
         nothing = dict.fromkeys((*TABLE, s.D_Z), 0)
-        changes = {n: e.subs(nothing) for n, e in pressed_changes(self.terms, self.masses).items()}
+        changes = {n: e.subs(nothing) for n, e in pressed_changes(self.terms, EQUAL).items()}
         return LevelForms(
             number(1 / changes[s.V_N].coeff(s.DQ)),
             number(1 / changes[s.C_X].coeff(s.D_X)),

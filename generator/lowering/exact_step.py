@@ -97,10 +97,16 @@ class ExactLowering:
         self.changes = pressed_changes(terms, masses)
 
     @property
-    def tail_bend(self) -> float:
+    def tail_bend(self) -> sp.Expr:
         """On the way into sticking c_x / c_z is as this power of 1 - t without table friction."""
         k_x, k_z = self.changes[s.C_X].coeff(s.D_X), self.changes[s.C_Z].coeff(s.D_Z)
-        return float(2 * (k_x / k_z - 1))
+        return sp.cancel(2 * (k_x / k_z - 1))
+
+    def _bent(self, left: float) -> str:
+        """That power of what is left; of masses that are given, in the kernel."""
+        if self.tail_bend.is_number:
+            return repr(left ** float(self.tail_bend))
+        return f"std::pow({left!r}, start.bend)"
 
     def parts(self) -> ExactStep:
         rates = self._rates()
@@ -123,6 +129,8 @@ class ExactLowering:
         if self.table:
             total = (added * 4 + OperationCounts(mul=1)) * evaluations
             total = total + added + OperationCounts(mul=11, div=1)
+            weighed = self.changes[s.V_N].coeff(s.T2Y) != 1  # the work of the step
+            total = total + OperationCounts(mul=1) * weighed
         else:
             total = (added * 2 + OperationCounts(mul=1)) * evaluations
             total = total + added + OperationCounts(mul=7, div=1)
@@ -358,8 +366,8 @@ class ExactLowering:
             values = ", ".join(f"z{i}_{part}" for part in parts)
             left = 1 - tableau.c[i]
             # All are zero at the end.
-            bent = float(left) ** self.tail_bend
-            rates = f"tail_rates(start, at, s_x0, s_y0, z{i}, {number(_rational(left))}, {bent})"
+            values_left = f"{number(_rational(left))}, {self._bent(float(left))}"
+            rates = f"tail_rates(start, at, s_x0, s_y0, z{i}, {values_left})"
             if left > 0 or i == tableau.stages - 1:
                 lines += [*block.lines, f"const Tail z{i} = {{{values}}};"]
             if left > 0:

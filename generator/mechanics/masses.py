@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Literal
 
 import sympy as sp
 
@@ -20,8 +21,8 @@ class Masses:
     Then v_n changes by 2 dq but for table friction and c_x by 7 d_x, as between equal balls.
     """
 
-    beta1: sp.Rational
-    beta2: sp.Rational
+    beta1: sp.Expr
+    beta2: sp.Expr
 
     @property
     def equal(self) -> bool:
@@ -35,10 +36,21 @@ class Masses:
 
 
 EQUAL = Masses(sp.Integer(1), sp.Integer(1))
+MassRatio = float | Literal["given"]  # of ball 1 to ball 2; given: with the call
+MASS_RATIOS = (0.1, 10.0)  # that may be
+# Where the masses come with the call, as a kernel names their inverses: before and after the steps
+# those of both balls, in the steps that of the pressed ball, from which the other's follows.
+_BETA1, _BETA2, _PRESSED = (
+    sp.Symbol(name, positive=True) for name in ("p.beta1", "p.beta2", "start.beta")
+)
+GIVEN, GIVEN_PRESSED = Masses(_BETA1, _BETA2), Masses(2 - _PRESSED, _PRESSED)
+GIVEN_BETAS = tuple(2 * ratio / (1 + ratio) for ratio in MASS_RATIOS)  # between which that lies
 
 
-def masses_of(ratio: float) -> Masses:
+def masses_of(ratio: MassRatio) -> Masses:
     """For a ball 1 that is `ratio` times as heavy as ball 2, taken as the decimal given."""
+    if ratio == "given":
+        return GIVEN
     exact = Fraction(repr(ratio))
     r = sp.Rational(exact.numerator, exact.denominator)
     return Masses(2 / (r + 1), 2 * r / (r + 1))

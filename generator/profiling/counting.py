@@ -17,7 +17,7 @@ from generator.emission.kernel_source import KernelSource
 from generator.errors import KernelError
 from generator.lowering.counts import OperationCounts
 from generator.profiling.isolated import call_isolated
-from generator.scenes.scene import UNITS, find_scene
+from generator.scenes.scene import case_value, find_scene
 from generator.toolchain.build import build_library
 from generator.toolchain.compilers import Compiler
 from generator.verification.errors import Array
@@ -109,8 +109,7 @@ def instrumented(text: str) -> str:
 def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
     """Files of a library with `carom_count`. `apart`: roots' own operations are left out."""
     scene = find_scene(source.variant.scene)
-    order = {key: index for index, key in enumerate(UNITS)}
-    fields = [(key, order[key]) for key in UNITS if key in scene.free]
+    fields = [(key, case_value(key, "row")) for key in scene.free]
     values = {"name": source.source_name, "kinds": KINDS, "fields": fields, "apart": apart}
     render = {
         name: environment().get_template(f"counting/{name}.j2").render(**values)

@@ -13,10 +13,11 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from generator.errors import InputError
+from generator.mechanics.masses import MASS_RATIOS
 from generator.scenes.models import MODELS
 
 PARAMETERS = ("R", "M", "u_s1", "u_s2", "u_b", "e_b")
-UNITS = {"R": "m", "M": "kg", "u_s1": "1", "u_s2": "1", "u_b": "1", "e_b": "1"}
+UNITS = {"R": "m", "M": "kg", "M1": "kg", "u_s1": "1", "u_s2": "1", "u_b": "1", "e_b": "1"}
 # What the mechanics admits whatever the scene; R and M are divided by.
 LIMITS = {
     "R": (1e-9, 1e3),
@@ -27,6 +28,8 @@ LIMITS = {
     "e_b": (0.0, 1.0),
 }
 TABLE_FRICTION = ("u_s1", "u_s2")
+# Where both masses are given, cases have this one for ball 1 and their own M for ball 2.
+CASE_M1 = 0.25  # kg
 SPEED_LIMITS = (1e-6, 1e6)  # m/s; where speeds are known to lie within, no square needs scaling
 FLOAT_BUDGET = 1e-4  # the tightest for single calls in floats, whose frame is in floats too
 # Alciatore's ball-ball friction, u_b = a + b exp(-c slip), slip in m/s before the collision
@@ -44,6 +47,7 @@ def _pair(value: Any) -> Any:
 
 Range = Annotated[tuple[Bound, Bound], BeforeValidator(_pair)]
 SpeedRange = Annotated[tuple[Speed, Speed], BeforeValidator(_pair)]
+Ratio = Annotated[float, Field(ge=MASS_RATIOS[0], le=MASS_RATIOS[1])] | Literal["given"]
 
 
 class Scene(BaseModel):
@@ -63,9 +67,7 @@ class Scene(BaseModel):
     equal_table: bool = False  # u_s1 = u_s2
     friction_law: Literal["given", "alciatore"] = "given"
     precision: Literal["double", "float"] = "double"  # of the stepper
-    mass_ratio: Annotated[float, Field(ge=0.1, le=10)] = (
-        1.0  # ball 1 to ball 2; M is that of ball 2
-    )
+    mass_ratio: Ratio = 1.0  # ball 1 to ball 2; M is that of ball 2, M1 that of ball 1 if given
     model: str = "mathavan2014"
     max_error: Annotated[float, Field(ge=1e-12, le=0.1)] = 1e-6
 
@@ -133,6 +135,8 @@ class Scene(BaseModel):
             return f"model: no model '{self.model}'; there are {names}"
         if not self.equal_masses and not self.table_friction and not self.level:
             return "mass_ratio: only 1 without table friction; expected table_friction = true"
+        if self.masses_given and ("M" in self.fixed or "M" in self.ranges):
+            return "mass_ratio: 'given' gives both masses with the call; remove M from the scene"
         if self.precision == "float" and self.level:
             return f"precision: without effect, spin = '{self.spin}' has a closed form; remove it"
         if self.precision == "float" and self.max_error < FLOAT_BUDGET:
@@ -164,6 +168,11 @@ class Scene(BaseModel):
         return self.speed is not None and self.spin_speed is not None and self.object_ball == "rest"
 
     @property
+    def masses_given(self) -> bool:
+        """Do both masses come with the call, M1 and M?"""
+        return self.mass_ratio == "given"
+
+    @property
     def equal_masses(self) -> bool:
         return self.mass_ratio == 1
 
@@ -190,9 +199,14 @@ class Scene(BaseModel):
         return self == plain
 
     @property
+    def members(self) -> tuple[str, ...]:
+        """All parameters, given or not, in the order of carom_params."""
+        return tuple(key for key in UNITS if key != "M1" or self.masses_given)
+
+    @property
     def free(self) -> tuple[str, ...]:
         """The parameters that a caller gives, in the order of carom_params."""
-        given = tuple(key for key in PARAMETERS if key not in self.fixed)
+        given = tuple(key for key in self.members if key not in self.fixed)
         if self.friction_law == "alciatore":
             given = tuple(key for key in given if key != "u_b")
         if not self.table_friction:
@@ -211,10 +225,18 @@ class Scene(BaseModel):
             )
 
 
+_BRANCHES = ("[key]", "constrained-float", "literal['given']")  # where pydantic was, not the user
+
+
+def case_value(key: str, row: str) -> str:
+    """A parameter of a case as C++ text, its six from the array `row`."""
+    return repr(CASE_M1) if key == "M1" else f"{row}[{PARAMETERS.index(key)}]"
+
+
 def _problem(error: ValidationError) -> str:
     """The first thing that is wrong, as `key ...: what`."""
     first = error.errors()[0]
-    where = ".".join(str(part) for part in first["loc"] if part != "[key]")
+    where = ".".join(str(part) for part in first["loc"] if part not in _BRANCHES)
     text = first["msg"].removeprefix("Value error, ").removeprefix("Assertion failed, ")
     if not where:
         return f"key {text}"

@@ -23,7 +23,9 @@ import numpy as np
 
 from generator.errors import KernelCrash, KernelError
 from generator.files import require_cache, require_temporary
+from generator.mechanics.masses import MassRatio
 from generator.places import sources
+from generator.scenes.scene import CASE_M1
 from generator.timing.plan import Array, TimingPlan
 from generator.timing.ratios import TimingRun, timing_run
 from generator.toolchain.process import require_space, run, run_checked
@@ -118,18 +120,21 @@ class BenchTool:
         method: Method,
         model: str,
         steps: int = 1000,
-        mass_ratio: float = 1.0,
+        mass_ratio: MassRatio = 1.0,
         threads: int = 0,
     ) -> Array:
         """What must come out, in rows of 14; `steps` is for euler, which is in long double.
 
         `screen`: as exact, in double and in a sixth of the time. `mass_ratio`: of ball 1 to ball 2,
-        not for euler. `threads`: 0 for one a core.
+        not for euler; given: CASE_M1 to the case's own M. `threads`: 0 for one a core.
         """
         with tempfile.TemporaryDirectory() as name:
             files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
             options = ["--method", method, "--model", model, "--steps", steps]
-            options += [] if mass_ratio == 1 else ["--mass-ratio", repr(mass_ratio)]
+            if mass_ratio == "given":
+                options += ["--mass1", repr(CASE_M1)]
+            elif mass_ratio != 1:
+                options += ["--mass-ratio", repr(mass_ratio)]
             options += [] if threads == 0 else ["--threads", threads]
             self._run("expect", *options, *files, timeout=RUN_TIMEOUT + 0.05 * len(cases))
             return _read(Path(name, "out"), EXPECTED_COLUMNS, len(cases))

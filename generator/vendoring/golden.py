@@ -13,7 +13,7 @@ import numpy as np
 
 from generator.choice.lookup import Goal
 from generator.errors import KernelError
-from generator.scenes.scene import PARAMETERS, Scene
+from generator.scenes.scene import CASE_M1, PARAMETERS, Scene
 from generator.timing.bench_tool import BenchTool
 from generator.verification.errors import (
     SLIPS,
@@ -101,7 +101,7 @@ def _answers(
 def _row(kind: str, case: Array, answer: Array, scene: Scene, goal: Goal) -> GoldenRow:
     speed = float(relative_speed(case[None, :])[0])
     most = TOLERANCE if goal.budget is None else goal.budget * speed
-    given = dict(zip(PARAMETERS, case, strict=False))
+    given = {**dict(zip(PARAMETERS, case, strict=False)), "M1": CASE_M1}
     return GoldenRow(
         kind=kind,
         radius=float(case[0]).hex(),

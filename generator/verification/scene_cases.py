@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from generator.mechanics.masses import MASS_RATIOS
 from generator.scenes.models import find_model
-from generator.scenes.scene import ALCIATORE, PARAMETERS, Scene
+from generator.scenes.scene import ALCIATORE, CASE_M1, PARAMETERS, Scene
 from generator.verification.errors import Array, relative_speed
 
 _V1, _W1, _V2, _W2 = slice(9, 12), slice(12, 15), slice(18, 21), slice(21, 24)
@@ -27,6 +28,8 @@ def cases_for_scene(scene: Scene, rows: Array, model: str | None = None) -> Arra
             _set(cases, column, np.full(len(cases), scene.fixed[key]))
         elif key in scene.ranges:
             _set(cases, column, _into(cases[:, column], *scene.ranges[key]))
+    if scene.masses_given:
+        cases[:, 1] = _spread_masses(cases[:, 1])
     if not scene.table_friction:
         cases[:, 2:4] = 0.0
     if scene.equal_table:
@@ -35,6 +38,11 @@ def cases_for_scene(scene: Scene, rows: Array, model: str | None = None) -> Arra
     if scene.friction_law == "alciatore":
         cases[:, 4] = alciatore(contact_slip(cases, model or scene.model))
     return cases
+
+
+def mass_ratios(scene: Scene, cases: Array) -> float | Array:
+    """Of ball 1 to ball 2, in every case."""
+    return CASE_M1 / cases[:, 1] if scene.mass_ratio == "given" else scene.mass_ratio
 
 
 def contact_slip(cases: Array, model: str) -> Array:
@@ -69,6 +77,14 @@ def _set(cases: Array, column: int, values: Array) -> None:
 def _into(values: Array, low: float, high: float) -> Array:
     place = np.abs(values * _SPREAD) % 1.0
     return np.where((values >= low) & (values <= high), values, low + (high - low) * place)
+
+
+def _spread_masses(values: Array) -> Array:
+    """Masses of ball 2 that give every ratio, evenly in its logarithm."""
+    low, high = np.log(MASS_RATIOS)
+    place = np.abs(values * _SPREAD) % 1.0
+    spread: Array = CASE_M1 / np.exp(low + (high - low) * (_INSIDE + (1 - 2 * _INSIDE) * place))
+    return spread
 
 
 def _motions(scene: Scene, cases: Array) -> None:

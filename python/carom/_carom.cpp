@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <initializer_list>
 #include <memory>
@@ -69,7 +70,7 @@ const Row& find_row(const std::string& model, std::optional<double> max_error, b
   bool model_known = false, target_known = !target, runs = false;
   for (std::size_t i = 0; i < carom::kRowCount; ++i) {
     const Row& row = carom::kRows[i];
-    if (row.model != model) continue;
+    if (row.model != model || row.unequal) continue;
     model_known = true;
     if (target && *target != row.target) continue;
     target_known = true;
@@ -97,12 +98,39 @@ const Row& find_row(const std::string& model, std::optional<double> max_error, b
 
 [[noreturn]] void refuse(const char* text) { throw nb::value_error(text); }
 
+// That of balls of two masses beside one of equal balls; nullptr where there is none.
+const Row* unequal_row(const Row& equal) {
+  for (std::size_t i = 0; i < carom::kRowCount; ++i) {
+    const Row& row = carom::kRows[i];
+    const bool same = std::string(row.model) == equal.model && row.runs == equal.runs;
+    if (row.unequal && same && row.budget == equal.budget) return &row;
+  }
+  return nullptr;
+}
+
+// Has ball 1 another mass? Where neither is a number they are both refused by any kernel.
+bool is_unequal(const Parameters& p) {
+  return p.M1 != p.M && !(std::isnan(p.M1) && std::isnan(p.M));
+}
+
+// M1 is shown where it was given.
+std::string repr(const Parameters& p) {
+  return "Parameters(R=" + text_of(p.R) + ", M=" + text_of(p.M) + ", u_s1=" + text_of(p.u_s1) +
+         ", u_s2=" + text_of(p.u_s2) + ", u_b=" + text_of(p.u_b) + ", e_b=" + text_of(p.e_b) +
+         (is_unequal(p) ? ", M1=" + text_of(p.M1) : "") + ")";
+}
+
+constexpr const char* kOneMass =
+    "M1: only kernels with max_error and of the models mathavan2014 and bottom_slip take balls of "
+    "two masses; leave M1 out, or name such a kernel";
+
 /// One kernel, chosen by model and by error budget or steps.
 class Kernel {
  public:
   Kernel(const std::string& model, std::optional<double> max_error, std::optional<int> steps,
          const std::optional<std::string>& target)
       : row_(find_row(model, max_error ? max_error : kDefaultError, steps.has_value(), target)),
+        unequal_(unequal_row(row_)),
         steps_(steps.value_or(0)),
         empty_(nb::module_::import_("numpy").attr("empty")) {
     if (max_error && steps) refuse("max_error and steps exclude each other: name one of them");
@@ -120,7 +148,8 @@ class Kernel {
 
   int one(const Parameters& p, const double* ball1, const double* ball2, double* out1,
           double* out2) const {
-    if (steps_ == row_.steps) return row_.functions.collide(p, ball1, ball2, out1, out2);
+    const Row& row = row_for(p);
+    if (steps_ == row.steps) return row.functions.collide(p, ball1, ball2, out1, out2);
     return row_.collide_steps(p, ball1, ball2, out1, out2, steps_);
   }
 
@@ -143,16 +172,23 @@ class Kernel {
     if (u_b && u_b->shape(0) != n) refuse("u_b: expected one number a collision");
     if (out && out->shape(1) != n) refuse("out: expected 12 rows of as many columns as balls has");
     if (status && status->shape(0) != n) refuse("status: expected one byte a collision");
+    const Row& row = row_for(p);
     make_missing(n, out, status);
     const double* const friction = u_b ? u_b->data() : nullptr;
     {
       const nb::gil_scoped_release release;
-      batch(p, friction, balls, *out, status->data(), n);
+      batch(row, p, friction, balls, *out, status->data(), n);
     }
     return nb::make_tuple(*out, *status);
   }
 
  private:
+  const Row& row_for(const Parameters& p) const {
+    if (!is_unequal(p)) return row_;
+    if (unequal_ == nullptr) refuse(kOneMass);
+    return *unequal_;
+  }
+
   // Those of the result arrays that the caller did not give, a block each: one may outlive the
   // other.
   void make_missing(std::size_t n, std::optional<ColumnsOut>& out,
@@ -172,14 +208,14 @@ class Kernel {
   }
 
   // Columns that are contiguous are used where they lie; others are gathered block by block.
-  void batch(const Parameters& p, const double* u_b, const ColumnsIn& balls, ColumnsOut& out,
-             unsigned char* status, std::size_t n) const {
+  void batch(const Row& row, const Parameters& p, const double* u_b, const ColumnsIn& balls,
+             ColumnsOut& out, unsigned char* status, std::size_t n) const {
     std::array<const double*, 18> in;
     std::array<double*, 12> to;
     if (balls.stride(1) == 1 && out.stride(1) == 1) {
       for (std::size_t j = 0; j < 18; ++j) in[j] = balls.data() + j * balls.stride(0);
       for (std::size_t j = 0; j < 12; ++j) to[j] = out.data() + j * out.stride(0);
-      run(p, u_b, n, in, to, status);
+      run(row, p, u_b, n, in, to, status);
       return;
     }
     std::vector<std::array<double, kBlock + 8>> block(30);  // columns apart by no power of two
@@ -190,18 +226,18 @@ class Kernel {
       for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t j = 0; j < 18; ++j) block[j][i] = balls(j, first + i);
       }
-      run(p, u_b != nullptr ? u_b + first : nullptr, count, in, to, status + first);
+      run(row, p, u_b != nullptr ? u_b + first : nullptr, count, in, to, status + first);
       for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t j = 0; j < 12; ++j) out(j, first + i) = block[18 + j][i];
       }
     }
   }
 
-  void run(const Parameters& p, const double* u_b, std::size_t n,
+  void run(const Row& row, const Parameters& p, const double* u_b, std::size_t n,
            const std::array<const double*, 18>& in, const std::array<double*, 12>& out,
            unsigned char* status) const {
-    if (steps_ == row_.steps) {
-      row_.functions.batch(p, u_b, n, in.data(), out.data(), status);
+    if (steps_ == row.steps) {
+      row.functions.batch(p, u_b, n, in.data(), out.data(), status);
       return;
     }
     Parameters each = p;
@@ -221,6 +257,7 @@ class Kernel {
   }
 
   const Row& row_;
+  const Row* unequal_;  // for balls of two masses, or nullptr
   int steps_;
   std::shared_ptr<carom::Spare> spare_columns_ = std::make_shared<carom::Spare>();
   std::shared_ptr<carom::Spare> spare_statuses_ = std::make_shared<carom::Spare>();
@@ -234,20 +271,26 @@ NB_MODULE(_carom, m) {
   nb::class_<Parameters>(m, "Parameters",
                          "Radius R (m) and mass M (kg) of both balls, sliding friction of ball 1\n"
                          "and of ball 2 with the table, friction and restitution between the\n"
-                         "balls, each from 0 to 1. What is out of range makes status BAD_INPUT.")
-      .def(nb::init<double, double, double, double, double, double>(), "R"_a = 0.028575,
-           "M"_a = 0.170097, "u_s1"_a = 0.2, "u_s2"_a = 0.2, "u_b"_a = 0.05, "e_b"_a = 0.95)
+                         "balls, each from 0 to 1. M1: mass of ball 1 where it is another than M,\n"
+                         "from a tenth of M to ten times as much; for kernels with max_error of\n"
+                         "the models mathavan2014 and bottom_slip, whose batches then go call by\n"
+                         "call. What is out of range makes status BAD_INPUT.")
+      .def(
+          "__init__",
+          [](Parameters* self, double R, double M, double u_s1, double u_s2, double u_b, double e_b,
+             std::optional<double> M1) {
+            new (self) Parameters{R, M, u_s1, u_s2, u_b, e_b, M1.value_or(M)};
+          },
+          "R"_a = 0.028575, "M"_a = 0.170097, "u_s1"_a = 0.2, "u_s2"_a = 0.2, "u_b"_a = 0.05,
+          "e_b"_a = 0.95, nb::kw_only(), "M1"_a = nb::none())
       .def_ro("R", &Parameters::R)
       .def_ro("M", &Parameters::M)
+      .def_ro("M1", &Parameters::M1)
       .def_ro("u_s1", &Parameters::u_s1)
       .def_ro("u_s2", &Parameters::u_s2)
       .def_ro("u_b", &Parameters::u_b)
       .def_ro("e_b", &Parameters::e_b)
-      .def("__repr__", [](const Parameters& p) {
-        return "Parameters(R=" + text_of(p.R) + ", M=" + text_of(p.M) +
-               ", u_s1=" + text_of(p.u_s1) + ", u_s2=" + text_of(p.u_s2) +
-               ", u_b=" + text_of(p.u_b) + ", e_b=" + text_of(p.e_b) + ")";
-      });
+      .def("__repr__", &repr);
 
   nb::class_<Kernel>(
       m, "Kernel",

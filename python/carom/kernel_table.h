@@ -6,9 +6,10 @@
 
 namespace carom {
 
-/// As carom_params of the scene `any`: m, kg, and four coefficients from 0 to 1.
+/// As carom_params of the scene `any`: m, kg, and four coefficients from 0 to 1. M1, the mass of
+/// ball 1, is for rows that are `unequal` alone; there M is that of ball 2.
 struct Parameters {
-  double R, M, u_s1, u_s2, u_b, e_b;
+  double R, M, u_s1, u_s2, u_b, e_b, M1;
 };
 
 /// The C ABI of a kernel (carom.h), with the parameters of every prefix as one type.
@@ -25,6 +26,7 @@ struct Row {
   const char* model;
   const char* target;
   bool (*runs)();  // does this CPU have what the target needs?
+  bool unequal;    // of balls of two masses?
   int steps;       // N of a fixed-step kernel, else 0
   double budget;   // of an exact kernel, else 0
   int lanes;       // numbers in a vector of its batches

@@ -29,6 +29,9 @@ from carom import Kernel, Parameters, Status
 __all__ = ["FrictionalMathavan"]
 
 _SAME = 1e-9  # masses or radii that differ by less are equal but for rounding
+_MOST_RATIO = 10.0  # of masses, as the kernels of two masses take them
+_AS_POOLTOOL = "contact_model='pooltool' takes both balls to be as the first, as pooltool does"
+_UNEQUAL_ERROR = 1e-6  # where no budget is asked for: the fixed-step scheme is of equal balls
 
 
 @cache
@@ -50,8 +53,10 @@ class FrictionalMathavan(CoreBallBallCollision):
 
     The balls' `e_b` are averaged and each has its own `u_s`, as in pooltool; `friction` says what
     `u_b` is. Balls of unequal mass or radius: `contact_model="pooltool"` gives what pooltool gives,
-    which takes both to be as `ball1`, so that momentum is not kept; the other models are of equal
-    balls, and `solve` raises ValueError that names both values.
+    which takes both to be as `ball1`, so that momentum is not kept. The other models compute what
+    either mass does, one to ten times the other; there the exact solution is approached whatever
+    `num_iterations` says, to 1e-6 where there is no `max_error`. For radii that differ, and masses
+    that differ by more, `solve` raises ValueError that names both values.
 
     `solve` raises ValueError where a ball's state is not finite, the centres coincide or a
     parameter is out of range, and for any model but `pooltool` where the line of centres is not
@@ -71,12 +76,16 @@ class FrictionalMathavan(CoreBallBallCollision):
         """The balls with their velocities after the collision, sliding."""
         one, two = ball1.params, ball2.params
         before1, before2 = ball1.state.rvw, ball2.state.rvw
+        mass2, max_error = one.m, self.max_error
         if self.contact_model != "pooltool":
-            _require_equal(one, two)
+            _require_one_radius(one, two)
+            if not isclose(one.m, two.m, rel_tol=_SAME):
+                _require_ratio(one, two)
+                mass2, max_error = two.m, max_error or _UNEQUAL_ERROR
         friction = self.friction.calculate_friction(ball1, ball2)
         restitution = (one.e_b + two.e_b) / 2
-        given = Parameters(one.R, one.m, one.u_s, two.u_s, friction, restitution)
-        kernel = _kernel(self.contact_model, self.max_error, self.num_iterations)
+        given = Parameters(one.R, mass2, one.u_s, two.u_s, friction, restitution, M1=one.m)
+        kernel = _kernel(self.contact_model, max_error, self.num_iterations)
         after1, after2, status = kernel.collide(given, before1, before2)
         if status > Status.SEPARATING:
             _refuse(Status(status), given)
@@ -86,13 +95,19 @@ class FrictionalMathavan(CoreBallBallCollision):
         return ball1, ball2
 
 
-def _require_equal(one: BallParams, two: BallParams) -> None:
-    for name, unit, first, second in (("mass", "kg", one.m, two.m), ("radius", "m", one.R, two.R)):
-        if not isclose(first, second, rel_tol=_SAME):
-            raise ValueError(
-                f"balls of unequal {name}, {first:g} and {second:g} {unit}: expected the same; "
-                "contact_model='pooltool' takes both balls to be as the first, as pooltool does"
-            )
+def _require_one_radius(one: BallParams, two: BallParams) -> None:
+    if not isclose(one.R, two.R, rel_tol=_SAME):
+        raise ValueError(
+            f"balls of unequal radius, {one.R:g} and {two.R:g} m: expected the same; {_AS_POOLTOOL}"
+        )
+
+
+def _require_ratio(one: BallParams, two: BallParams) -> None:
+    if not max(one.m, two.m) <= _MOST_RATIO * min(one.m, two.m):
+        raise ValueError(
+            f"balls of mass {one.m:g} and {two.m:g} kg: expected a ratio from {1 / _MOST_RATIO:g} "
+            f"to {_MOST_RATIO:g}; {_AS_POOLTOOL}"
+        )
 
 
 def _refuse(status: Status, given: Parameters) -> None:

@@ -81,7 +81,7 @@ def test_presets_take_the_operations_that_their_files_state(tmp_path: Path) -> N
     _compare(variants, tmp_path, [None] * len(variants))
 
 
-@pytest.mark.parametrize("scene", ["any", "free"])
+@pytest.mark.parametrize("scene", ["any", "free", "unequal"])
 def test_exact_steps_take_the_operations_that_their_files_state(scene: str, tmp_path: Path) -> None:
     fused = "fma" if find_target(_target()).has("fma") else "nofma"
     rows = (("dp54", 1e-2, "est0", fused), ("dp54", 1e-6, "inv", "nofma"))

@@ -10,14 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from installed import ROOT, carom, run, site
+from kernels import bench_tool
 
-from generator.clients.kernel_set import BUDGETS, STEPS, TARGETS
+from generator.clients.kernel_set import BUDGETS, STEPS, TARGETS, UNEQUAL, UNEQUAL_MODELS
 from generator.scenes.models import MODELS
+from generator.scenes.scene import CASE_M1, find_scene
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.verification.errors import OUTCOME_COLUMNS, errors_of
 from generator.verification.euler import euler_verdict
 from generator.verification.reference import load_reference
+from generator.verification.scene_cases import cases_for_scene
 
 RUNNABLE = [name for name in TARGETS if read_host().runs(find_target(name))]
 NAMES = [model.name for model in MODELS]
@@ -128,6 +131,39 @@ def test_wrong_requests_name_what_there_is(arguments, parts) -> None:
         carom().Kernel(**arguments)
     for part in parts:
         assert part in str(caught.value)
+
+
+@pytest.mark.parametrize("target", RUNNABLE)
+@pytest.mark.parametrize("budget", BUDGETS)
+@pytest.mark.parametrize("model", UNEQUAL_MODELS)
+def test_two_masses_are_those_of_the_oracle(model, budget, target) -> None:
+    """By calls, and as a batch of one. M is the mass of ball 2, M1 that of ball 1."""
+    cases = cases_for_scene(find_scene(UNEQUAL), load_reference().cases, model)
+    exact = bench_tool().expect(cases, "exact", model, mass_ratio="given")
+    kernel = carom().Kernel(model, max_error=budget, target=target)
+    given = [carom().Parameters(*case[:6], M1=CASE_M1) for case in cases]
+    got = np.array([by_call(kernel, p, case) for p, case in zip(given, cases, strict=True)])
+    error = errors_of(cases, got, exact).relative
+    print(f"{kernel.name}: largest error {error.max():.2g} of {budget:g}")
+    assert np.array_equal(got[:, 12], exact[:, 12])
+    assert error.max() <= budget
+    for p, case, row in zip(given, cases[:20], got[:20], strict=False):
+        assert np.array_equal(by_batch(kernel, p, case), row)
+
+
+def test_a_second_mass_is_shown_held_to_its_range_and_refused_where_it_is_none() -> None:
+    parameters, one = carom().Parameters, load_reference().cases[0]
+    assert parameters().M1 == parameters().M and "M1" not in repr(parameters())
+    assert "M1=0.2)" in repr(parameters(M=0.1, M1=0.2))
+    kernel = carom().Kernel("mathavan2014")
+    for M1 in (0.0099, 1.01, -0.1, float("nan")):
+        assert by_call(kernel, parameters(M=0.1, M1=M1), one)[12] == carom().Status.BAD_INPUT
+    for M1 in (0.01, 1.0):
+        assert by_call(kernel, parameters(M=0.1, M1=M1), one)[12] == carom().Status.OK
+    for other in (carom().Kernel("pooltool"), carom().Kernel("mathavan2014", steps=1000)):
+        for way in WAYS:
+            with pytest.raises(ValueError, match="M1: only kernels with max_error and of the mod"):
+                way(other, parameters(M=0.1, M1=0.2), one)
 
 
 # ---- arrays ----------------------------------------------------------------------------------

@@ -18,11 +18,11 @@ from generator.choice.candidates import baseline, exact_candidates
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import InputError, KernelError
 from generator.mechanics import symbols as s
-from generator.mechanics.masses import masses_of, pressed_changes
+from generator.mechanics.masses import MASS_RATIOS, masses_of, pressed_changes
 from generator.mechanics.reduced import reduced_system
 from generator.scenes import scene as scene_module
 from generator.scenes.models import MODELS
-from generator.scenes.scene import Scene, parse_scene
+from generator.scenes.scene import CASE_M1, Scene, parse_scene
 from generator.timing.bench_tool import ROOT
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.flags import compile_flags
@@ -32,14 +32,14 @@ from generator.variants.names import name_of
 from generator.variants.presets import find_preset
 from generator.variants.rules import broken_rule
 from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.errors import STATUS, Array
+from generator.verification.errors import STATUS, Array, errors_of, relative_speed
 from generator.verification.euler import euler_verdict
 from generator.verification.exact import exact_verdict
 from generator.verification.scene_cases import cases_for_scene
 from generator.verification.verdict import Verdict
 
 SHIPPED = tuple(scene_module.scenes())
-PROMISED = {"any", "pool", "snooker", "carom", "break", "stun", "free", "arcade"}
+PROMISED = {"any", "pool", "snooker", "carom", "break", "stun", "free", "arcade", "unequal"}
 GUIDE = (ROOT / "docs" / "adding-a-scene.md").read_text("utf-8")
 HEAD = 'name = "{}"\ntext = "of a test"\n'
 # Statements that no shipped scene makes, and some together.
@@ -48,6 +48,8 @@ OURS = {
     "law": 'friction_law = "alciatore"',
     "heavy": "mass_ratio = 1.05\nspin_speed = 1000.0",
     "heavier": "mass_ratio = 2.5\nequal_table = true",
+    "unequalfloat": 'mass_ratio = "given"\nprecision = "float"\nmax_error = 1e-3',
+    "unequalstun": 'mass_ratio = "given"\nspin = "none"',
     "heavystun": 'mass_ratio = 0.7\nspin = "none"',
     "rest": 'object_ball = "rest"',
     "freefloat": 'table_friction = false\nprecision = "float"\nmax_error = 1e-3',
@@ -171,6 +173,9 @@ def test_shipped_scenes() -> None:
         ("mass_ratio = true", "key mass_ratio: "),
         ("mass_ratio = 0", "key mass_ratio: "),
         ("mass_ratio = 2.0\ntable_friction = false", "key mass_ratio: only 1 without table"),
+        ('mass_ratio = "given"\ntable_friction = false', "key mass_ratio: only 1 without table"),
+        ('mass_ratio = "given"\nfixed = {M = 0.2}', "key mass_ratio: 'given' gives both masses"),
+        ('mass_ratio = "given"\nranges = {M = [0.1, 1.0]}', "key mass_ratio: 'given' gives both"),
         ('model = "euler"', "key model: no model 'euler'; there are mathavan2014"),
         ("max_error = 0.0", "key max_error: "),
         ("speed = [3.0, 2.0]", "key speed: [3, 2]; expected the lower speed first"),
@@ -239,6 +244,8 @@ def test_a_scene_is_exact_inside(scene: str, compiler: str) -> None:
         ),
         ("break", "bottom_slip"),
         ("break", "pooltool"),
+        ("unequal", "bottom_slip"),
+        ("unequal", "pooltool"),
     ],
 )
 def test_other_models_in_scenes(scene: str, model: str) -> None:
@@ -262,6 +269,8 @@ OUTSIDE = {
     "heavy": {12: 1e7},
     "heavier": {3: 0.77},
     "law": {5: -0.1},
+    "unequal": {1: CASE_M1 / 10.1},
+    "unequalstun": {1: CASE_M1 * 10.1},
 }
 
 
@@ -383,6 +392,66 @@ def test_batches_of_a_closed_form_go_in_lanes(scene: str) -> None:
         assert call(spoilt).same(whole, others) and call(spoilt).status[n] == 2
 
 
+# -- both masses given with the call --
+
+
+def unequal(rows: Array, model: str = "mathavan2014", budget: float = 1e-6) -> Array:
+    return bench_tool().run_kernel(built("unequal", model, budget=budget).library.path, rows)
+
+
+@pytest.mark.parametrize("budget", [1e-3, 1e-9])
+def test_masses_that_are_given_hold_other_budgets(budget: float) -> None:
+    rows, exact = inside("unequal", "mathavan2014")
+    verdict = exact_verdict(rows, unequal(rows, budget=budget), exact, budget)
+    print(f"ratios {CASE_M1 / rows[:, 1].max():.3g} to {CASE_M1 / rows[:, 1].min():.3g}")
+    print(f"{verdict.max_rel_error:.2g} of {budget:g}, {verdict.reason}")
+    assert verdict.passed, verdict.reason
+
+
+@pytest.mark.parametrize("ratio", [*MASS_RATIOS, 0.5, 1.0, 1.05, 7.3])
+def test_masses_that_are_given_are_those_of_the_oracle_at_any_ratio(ratio: float) -> None:
+    rows = inside("unequal", "mathavan2014")[0][:600].copy()
+    rows[:, 1] = CASE_M1 / ratio
+    exact = bench_tool().expect(rows, "exact", "mathavan2014", mass_ratio=ratio)
+    verdict = exact_verdict(rows, unequal(rows), exact, 1e-6)
+    print(f"ratio {ratio:g}: {verdict.max_rel_error:.2g}, {verdict.reason}")
+    assert verdict.passed, verdict.reason
+
+
+def test_momentum_is_kept_where_the_table_is_smooth() -> None:
+    rows = inside("unequal", "bottom_slip")[0].copy()
+    rows[:, 2:4] = 0.0
+    got = unequal(rows, "bottom_slip")
+    share = CASE_M1 / (CASE_M1 + rows[:, 1])
+    moved = (
+        share * (got[:, 0:3] - rows[:, 9:12]).T + (1 - share) * (got[:, 6:9] - rows[:, 18:21]).T
+    ).T
+    error = np.abs(moved[:, :2]).max(axis=1) / relative_speed(rows)
+    print(f"momentum changes by {error.max():.2g} of both masses times |v1 - v2|")
+    assert (got[:, STATUS] == 0).all() and error.max() < 1e-12
+
+
+def test_balls_that_change_places_take_their_masses_along() -> None:
+    rows = inside("unequal", "mathavan2014")[0]
+    swapped = rows.copy()
+    swapped[:, 1] = CASE_M1**2 / rows[:, 1]
+    swapped[:, 2:4] = rows[:, [3, 2]]
+    swapped[:, 6:15], swapped[:, 15:24] = rows[:, 15:24], rows[:, 6:15]
+    got, other = unequal(rows), unequal(swapped)
+    error = errors_of(rows, other[:, [*range(6, 12), *range(6), STATUS]], got).relative
+    print(f"{error.max():.2g} apart")
+    assert error.max() < 2e-6
+
+
+def test_equal_masses_that_are_given_are_those_of_a_kernel_of_equal_balls() -> None:
+    rows = inside("unequal", "mathavan2014")[0].copy()
+    rows[:, 1] = CASE_M1
+    equal = bench_tool().run_kernel(built("any", budget=1e-6).library.path, rows)
+    error = errors_of(rows, unequal(rows), equal).relative
+    print(f"{error.max():.2g} apart")
+    assert error.max() < 2e-6
+
+
 # -- what is ruled out is gone --
 
 GONE = {
@@ -444,7 +513,7 @@ def test_fixed_steps_of_a_level_scene_are_the_scheme(scene: str, model: str) -> 
     assert verdict.passed, verdict.reason
 
 
-@pytest.mark.parametrize("scene", ["arcade", "heavy"])
+@pytest.mark.parametrize("scene", ["arcade", "heavy", "unequal"])
 def test_what_the_fixed_step_scheme_is_not_is_refused(scene: str) -> None:
     """It is pooltool's: of equal balls and in double. The exact job compares with `any`'s."""
     with pytest.raises(InputError, match=f"--scene {scene}: the fixed-step scheme is pooltool's"):
