@@ -1,7 +1,8 @@
-// Included before a kernel when it is verified (generator/verification/worst_estimates.py), and in no other
-// build: in place of x86's instructions that estimate 1 / sqrt(x), the root itself, off by as much as their
-// specification allows. Intel's manual: rsqrtss and rsqrtps are off by at most 1.5 * 2^-12 of the root and take
-// denormal floats for zero; vrsqrt14 is off by at most 2^-14. CPUs of different makers differ within that.
+// Included before a kernel when it is verified (generator/verification/worst_estimates.py), and in
+// no other build: in place of x86's instructions that estimate 1 / sqrt(x), the root itself, off by
+// as much as their specification allows. Intel's manual: rsqrtss and rsqrtps are off by at most 1.5
+// * 2^-12 of the root and take denormal floats for zero; vrsqrt14 is off by at most 2^-14. CPUs of
+// different makers differ within that.
 #ifndef CAROM_BENCH_WORST_ESTIMATES_H_
 #define CAROM_BENCH_WORST_ESTIMATES_H_
 
@@ -17,8 +18,8 @@ namespace carom_worst {
 constexpr double kSse = 1.5 / 4096 - 0x1p-23;
 constexpr double kFourteenBits = 1.0 / 16384 - 0x1p-23;
 
-// Shares of what is allowed, for either half of the inputs; `shift`: which bit of an input's hash or of its
-// mantissa tells the halves apart.
+// Shares of what is allowed, for either half of the inputs; `shift`: which bit of an input's hash
+// or of its mantissa tells the halves apart.
 struct Pattern {
   double one, other;
   int hashed, bit;
@@ -48,11 +49,13 @@ static inline float of_sse(float x) {
   const bool denormal = __builtin_fabsf(x) < 0x1p-126f;
   return static_cast<float>(estimate(denormal ? __builtin_copysignf(0.0f, x) : x, kSse));
 }
-static inline float of_fourteen_bits(float x) { return static_cast<float>(estimate(x, kFourteenBits)); }
+static inline float of_fourteen_bits(float x) {
+  return static_cast<float>(estimate(x, kFourteenBits));
+}
 static inline double of_fourteen_bits(double x) { return estimate(x, kFourteenBits); }
 
 // The function of a vector of `count` numbers, lane by lane; lanes outside of `mask` are zero.
-#define CAROM_WORST_LANES(name, Vector, Number, count, function)    \
+#define CAROM_WORST_LANES(name, Vector, Number, count, function)     \
   static inline Vector name(Vector x, unsigned mask = 0xffffffffu) { \
     Number lanes[count];                                             \
     memcpy(lanes, &x, sizeof x);                                     \

@@ -458,7 +458,8 @@ inline bool valid(const Params& p) {
          in_range(p.u_b, 0, 1) && in_range(p.e_b, 0, 1);
 }
 
-/// Frame of the line of centres d. A rise of up to kTiltLimit is levelled, except in pooltool's model.
+/// Frame of the line of centres d. A rise of up to kTiltLimit is levelled, except in pooltool's
+/// model.
 template <class Real>
 int make_frame(const double ball1[9], const double ball2[9], bool as_pooltool, Frame<Real>* out) {
   Real d[3], most = 0;

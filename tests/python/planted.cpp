@@ -1,7 +1,7 @@
 // A kernel with a flaw that was put there: the oracle in double, off by 5e-6 in a small corner.
-#include "exact_solver.h"
-
 #include <cstddef>
+
+#include "exact_solver.h"
 
 extern "C" {
 int carom_probe_collide(const double params[6], const double ball1[9], const double ball2[9],
