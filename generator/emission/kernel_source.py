@@ -20,7 +20,8 @@ from generator.lowering.counts import OperationCounts
 from generator.lowering.fixed_step_loops import Loop, LoopBuilder
 from generator.lowering.printer import number
 from generator.lowering.text_counts import operations_in
-from generator.mechanics.masses import MASS_RATIOS, masses_of
+from generator.mechanics.masses import masses_of
+from generator.mechanics.terms import MASS_RATIOS
 from generator.scenes.models import find_model
 from generator.scenes.scene import (
     ALCIATORE,

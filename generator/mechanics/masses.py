@@ -11,7 +11,7 @@ import sympy as sp
 
 from generator.mechanics import symbols as s
 from generator.mechanics.reduced import reduced_system
-from generator.mechanics.terms import ContactTerms
+from generator.mechanics.terms import MASS_RATIOS, ContactTerms
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,6 @@ class Masses:
 
 EQUAL = Masses(sp.Integer(1), sp.Integer(1))
 MassRatio = float | Literal["given"]  # of ball 1 to ball 2; given: with the call
-MASS_RATIOS = (0.1, 10.0)  # that may be
 # Where the masses come with the call, as a kernel names their inverses: before and after the steps
 # those of both balls, in the steps that of the pressed ball, from which the other's follows.
 _BETA1, _BETA2, _PRESSED = (

@@ -1,8 +1,10 @@
-"""What the contact models differ in. It is read without SymPy, which takes a second to load."""
+"""What contact models and masses may be. It is read without SymPy, which takes a second to load."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+MASS_RATIOS = (0.1, 10.0)  # of ball 1 to ball 2, that may be
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from generator.errors import InputError
-from generator.mechanics.masses import MASS_RATIOS
+from generator.mechanics.terms import MASS_RATIOS
 from generator.scenes.models import MODELS
 
 PARAMETERS = ("R", "M", "u_s1", "u_s2", "u_b", "e_b")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from generator.mechanics.masses import MASS_RATIOS
+from generator.mechanics.terms import MASS_RATIOS
 from generator.scenes.models import find_model
 from generator.scenes.scene import ALCIATORE, CASE_M1, PARAMETERS, Scene
 from generator.verification.errors import Array, relative_speed

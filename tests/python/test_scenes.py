@@ -18,8 +18,9 @@ from generator.choice.candidates import baseline, exact_candidates
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import InputError, KernelError
 from generator.mechanics import symbols as s
-from generator.mechanics.masses import MASS_RATIOS, masses_of, pressed_changes
+from generator.mechanics.masses import masses_of, pressed_changes
 from generator.mechanics.reduced import reduced_system
+from generator.mechanics.terms import MASS_RATIOS
 from generator.scenes import scene as scene_module
 from generator.scenes.models import MODELS
 from generator.scenes.scene import CASE_M1, Scene, parse_scene
