@@ -149,7 +149,8 @@ def package_files(
         "LICENSE": environment().get_template("vendor/LICENSE.j2").render(),
         "README.md": _page(request, "README.md", "", v=context),
         context.selftest: _page(request, "selftest.c", "/*", "a.c", v=context),
-        ".gitattributes": "* -text\n",  # else git may change line ends, and with them the hashes
+        # Else git may change line ends, and with them the hashes.
+        ".gitattributes": "# MIT-0\n* -text\n",
     }
     if request.single_header:
         files[f"{request.prefix}.h"] = _single(request, context, header, units)

@@ -48,7 +48,7 @@ class Recorded:
 
 @cache
 def timings() -> Timings:
-    return read_timings(ROOT)
+    return read_timings([ROOT])
 
 
 @cache

@@ -19,6 +19,7 @@ from hosts import believe
 from stored_report import EFFECTS, MadeStore, make_measured, make_store
 
 import generator.cli.session as session
+import generator.places as places
 from generator.cli.case_table import read_case_table
 from generator.cli.main import gen
 from generator.report.accuracy import kinds_of
@@ -58,13 +59,18 @@ def _run(*arguments: object) -> Result:
     return CliRunner().invoke(gen, [str(a) for a in arguments])
 
 
+def _caches_in(folder: Path, patch: pytest.MonkeyPatch) -> None:
+    for module in (places, session):
+        patch.setattr(module, "cache_folder", lambda: folder)
+
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Made]:
     """The page of a store as large as a default sweep's, with everything measured."""
     folder = tmp_path_factory.mktemp("report")
     store = make_store(folder / "s.sqlite", TARGET, VARIANTS)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session, "cache_folder", lambda: folder)
+        _caches_in(folder, patch)
         kept = measured_path(folder, TARGET, "any", "mathavan2014")
         write_measured(kept, make_measured(TARGET))
         page = folder / "report.html"
@@ -97,7 +103,8 @@ def test_the_page_is_one_file_without_scripts_that_run_and_without_a_network(mad
 def test_what_the_issue_lists_stands_in_its_order(made: Made) -> None:
     found = re.findall(r'<section id="(\w+)">', made.page.read_text("utf-8"))
     wanted = ["chosen", "contests", "outputs", "worst", "kinds", "effects", "growth", "operations"]
-    wanted += ["sections", "modelled", "compilers", "misses", "calls", "published", "machine"]
+    wanted += ["sections", "modelled", "compilers", "misses", "calls", "cpus", "published"]
+    wanted += ["machine"]
     assert found == wanted
 
 
@@ -250,7 +257,7 @@ def test_times_of_another_cpu_are_not_measured_for_a_target(
 
 @pytest.mark.long
 def test_what_no_sweep_keeps_is_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(session, "cache_folder", lambda: tmp_path)
+    _caches_in(tmp_path, monkeypatch)
     page = tmp_path / "report.html"
     result = _run("report", "--out", page, "--measure", "--seconds", 2)
     assert result.exit_code == 0, result.output
@@ -393,7 +400,7 @@ def test_hexadecimal_floats_of_the_page_are_read_back_to_the_bit(made: Made) -> 
 
 
 def test_what_is_not_known_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(session, "cache_folder", lambda: tmp_path)
+    _caches_in(tmp_path, monkeypatch)
     page = tmp_path / "report.html"
     nothing = _run("report", "--target", TARGET, "--out", page)
     assert nothing.exit_code == 2

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from sweep_lab import EXACT, FakeLab, plan, swept
 
+from generator.choice.verifying import HardCases
 from generator.choice.workbench import Candidate, Expected
 from generator.report.measured import ROOMS
 from generator.report.subjects import Called, last_finals
@@ -67,7 +68,9 @@ def test_batches_of_the_page_collide_what_those_of_the_table_do() -> None:
             return batch
 
     empty = np.zeros((0, 24))
-    expected = Expected("any", empty, empty, None, 0, 1, (), None, "key")
+    expected = Expected(
+        "any", empty, empty, None, 0, 1, (), None, "key", HardCases(empty, empty, empty)
+    )
     called = [Called("E", variant, False), Called("E", variant, True)]
     with pytest.raises(StopIteration):
         time_calls(Bench(), called, find_target("zen3"), expected, 1.0)  # type: ignore[arg-type]

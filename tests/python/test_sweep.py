@@ -582,7 +582,7 @@ def test_a_contest_that_was_not_tried_has_not_failed(tmp_path: Path) -> None:
 
 
 def test_what_was_fastest_on_the_cpu_before_is_tried_first(tmp_path: Path) -> None:
-    timings = read_timings(ROOT)
+    timings = read_timings([ROOT])
     with opened(tmp_path / "s.sqlite") as store:
         lab = FakeLab()
         asked = plan(FIXED, trials=8, only={"compiler": ("gcc",)}, timings=timings)
