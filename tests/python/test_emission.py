@@ -109,7 +109,7 @@ def test_generated_kernels_have_lanes_for_their_batches(folder: Path) -> None:
         print(f"{model}, {goal}: {batch.kernel}")
         numbers = precision_of(variant_of(batch.kernel))
         assert batch.width in widths_of(target, numbers)[1:] and single.width == 1
-        assert single.ratio_to_baseline is not None and batch.ratio_to_baseline is not None
+        assert single.evidence and batch.evidence, "what the choice rests on"
 
 
 def compiled_alone(path: Path, compiler: str, folder: Path, level: str) -> None:

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: MIT-0
 // kernel:   x86-64-v3.any.mathavan2014.dp54.e1m06.x1.est1.fma
 // template: templates/kernel.cpp.j2
-// command:  ./gen --target x86-64-v3 --scene any --model mathavan2014
-// inputs:   sha256 0c6b7fc9f1d6b162
+// remake:   ./gen emit x86-64-v3.any.mathavan2014.dp54.e1m06.x1.est1.fma
+// inputs:   sha256 7fb11338bd602ecd
+// chosen:   modelled by llvm-mca for haswell, an earlier choice
 #include "carom.h"
 
 #include <cmath>
@@ -26,10 +27,22 @@
 // Short functions that are called in many places of a step: a call would cost more than they do.
 // Unoptimised code must do without C++'s library: with GCC what is inlined may not seem to throw, with Clang
 // it is the word itself that asks for the library.
+#if !defined(__OPTIMIZE__)  // every inlined copy would have a place of its own on the stack
 #ifdef __clang__
+#define CAROM_INLINE inline
+#else
+#define CAROM_INLINE inline __attribute__((nothrow))
+#endif
+#elif defined(__clang__)
 #define CAROM_INLINE inline __attribute__((always_inline))
 #else
 #define CAROM_INLINE inline __attribute__((always_inline, nothrow))
+#endif
+// What is called in turn shares the stack; inlined it would add up.
+#ifdef __clang__
+#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline))
+#else
+#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline, nothrow))
 #endif
 
 // Keeps a branch a branch: what it decides is then guessed while it is still being computed.
@@ -54,9 +67,11 @@ namespace {
 // Valid: R 1e-09 to 1000, M 1e-09 to 1e+06, u_s1 0 to 1, u_s2 0 to 1, u_b 0 to 1, e_b 0 to 1;
 // speeds below 1e100 m/s.
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
-// Operations a step: 7 add, 109 mul, 208 fma, 1 div (533 flops), without the control of its length
-// and the roots' own.
+// Operations a step: 17 add, 109 mul, 198 fma, 1 div (523 flops), without the control of its
+// length and the roots' own.
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
+// Root estimates, which differ between CPUs: rsqrt to 1.5 * 2^-12. What is chosen has held with
+// estimates off by all of that, in several patterns, too (docs/accuracy.md).
 
 // ---- Parameters -------------------------------------------------------------------------------
 
@@ -104,7 +119,8 @@ inline bool finite9(const double* x) {
 
 constexpr double kSmallestSquare = 1e-300;  // m^2, of the distance between the centres
 constexpr double kLargestSquare = 1e300;    // m^2
-constexpr double kLevel = 1e-9;     // a line of centres that rises by more is tilted, not rounded
+constexpr double kLevel =
+    1e-6;  // of its length: a line of centres that rises by no more counts as level
 constexpr double kFastest = 1e100;  // m/s; beyond, squares of speeds overflow
 
 // Can speeds be squared without overflow?
@@ -130,11 +146,11 @@ inline bool enter(const Parameters& p, const double* ball1, const double* ball2,
     status = (square < kSmallestSquare && d_z != 0.0) ? CAROM_TILTED : CAROM_BAD_INPUT;
     return false;
   }
-  if (d_z * d_z > kLevel * kLevel * square) {
+  const double distance = std::sqrt(square);
+  if (std::fabs(d_z) > kLevel * distance) {
     status = CAROM_TILTED;
     return false;
   }
-  const double distance = std::sqrt(square);
   b.f_x = d_x / distance;
   b.f_y = d_y / distance;
   b.f_z = 0.0;
@@ -168,9 +184,9 @@ typedef bool Mask;
 
 [[maybe_unused]] constexpr Real real(double x) { return static_cast<Real>(x); }
 [[maybe_unused]] inline Real fma(Real a, Real b, Real c) { return std::fma(a, b, c); }
-[[maybe_unused]] inline Real abs(Real x) { return std::fabs(x); }
-[[maybe_unused]] inline Real max(Real a, Real b) { return a > b ? a : b; }
-[[maybe_unused]] inline Real min(Real a, Real b) { return a < b ? a : b; }
+[[maybe_unused]] inline Real absolute(Real x) { return std::fabs(x); }
+[[maybe_unused]] inline Real larger(Real a, Real b) { return a > b ? a : b; }
+[[maybe_unused]] inline Real smaller(Real a, Real b) { return a < b ? a : b; }
 [[maybe_unused]] inline Real sqrt(Real x) { return std::sqrt(x); }
 [[maybe_unused]] inline Mask lt(Real a, Real b) { return a < b; }
 [[maybe_unused]] inline Mask le(Real a, Real b) { return a <= b; }
@@ -212,12 +228,12 @@ constexpr double kTinySquare = 1e-36;
 
 // The same before its last correction: x / sqrt(n) is ready as soon as the root alone would be.
 struct InverseRoot {
-  Real near, off, weight;
+  Real rough, off, weight;
   CAROM_INLINE Real of(Real x) const {
-    const Real nearly = x * near;
+    const Real nearly = x * rough;
     return fma(nearly * off, weight, nearly);
   }
-  CAROM_INLINE Real whole() const { return fma(near * off, weight, near); }
+  CAROM_INLINE Real whole() const { return fma(rough * off, weight, rough); }
 };
 CAROM_INLINE InverseRoot inverse_root(Real n) {
   const Real y = rsqrt_estimate(n);
@@ -255,6 +271,8 @@ inline double power_of_two(double x) {
   return x;
 }
 
+inline double limited(double x, double most) { return x > most ? most : x < -most ? -most : x; }
+
 // Its inverse, from the bits as well: a division would make everything wait.
 inline double inverse_of_power(double power) {
   std::uint64_t bits;
@@ -271,13 +289,17 @@ inline double inverse_of_power(double power) {
 // v_n = 0 and restitution at v_n^2 = e_b^2 (v_n0^2 + 2 J_c) + 2 (J - J_c). A step may pass the first and
 // stops at the second, both found on the step's own interpolant: nothing overshoots.
 
-constexpr double kTolerance = 2.0999999999999997e-07;  // of a step, relative to |v1 - v2|
-constexpr double kTurn = 2.3;        // scale of steps by the turning of the contact slip
-constexpr double kTable = 7.0;       // scale of steps by the distance of s from zero
-constexpr double kPassage = 0.0167;  // error of a passage of s by zero, in tolerances
-constexpr double kDepart = 3.3;      // error of the first step from rest, in tolerances
-constexpr double kTableError = 3.0;  // weight of the errors of table friction
-constexpr double kTail = 6.0;        // weight of the error of the step into sticking
+constexpr double kTolerance = 2.1e-07;  // of a step, relative to |v1 - v2|
+constexpr double kTurn = 2.3;           // scale of steps by the turning of the contact slip
+constexpr double kTable = 7.0;          // scale of steps by the distance of s from zero
+constexpr double kPassage = 0.0167;     // error of a passage of s by zero, in tolerances
+constexpr double kDepart = 3.3;         // error of the first step from rest, in tolerances
+constexpr double kTableError = 3.0;     // weight of the errors of table friction
+constexpr double kTail = 6.0;           // weight of the error of the step into sticking
+constexpr double kCounts = 0.072;       // friction on the table that is of account, in tolerances
+constexpr double kGone = 0.0476;        // contact slip that counts as gone, in tolerances
+constexpr double kTailUnseen =
+    1.82;  // of what is left of table friction, that step may miss where s passes zero
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
@@ -349,6 +371,14 @@ inline Rates rates_at_rest(const Start& start, const State& at) {
   return rates_at(start, Slips{at.c_x, at.c_z, -d_x, fma(real(2.5), d_z, real(1.0))}, real(1.0));
 }
 
+// 1 / P of docs/step-control.md: how near the table slip passes zero on its way from s0 to s1, of lengths l0
+// and l1. 1 where it passes zero itself.
+CAROM_INLINE Real steepness(Real s0_x, Real s0_y, Real l0, Real s1_x, Real s1_y, Real l1) {
+  const Real way = fma(s1_x - s0_x, s1_x - s0_x, (s1_y - s0_y) * (s1_y - s0_y));
+  const Real sum = l0 + l1;
+  return way * rough_inverse(fma(real(4.0) * sum, sum, real(-3.0) * way) + real(kTinySquare));
+}
+
 CAROM_INLINE Rates select_rates(Mask m, const Rates& yes, const Rates& no) {
   return Rates{select(m, yes.d_x, no.d_x), select(m, yes.d_z, no.d_z), select(m, yes.t_x, no.t_x),
                select(m, yes.t_y, no.t_y)};
@@ -364,7 +394,7 @@ CAROM_INLINE Real remaining_impulse(const Start& start, Mask compressing, Real t
   const Real g = real(2.0) + t_y;
   const Real share = select(compressing, start.e_b * start.e_b, real(1.0));
   const Real twice = fma(real(2.0) * share, work, target) * g - t_y * v * v * share;
-  return (near_sqrt(max(real(0.5) * twice, real(0.0))) - v) * near_inverse(g);
+  return (near_sqrt(larger(real(0.5) * twice, real(0.0))) - v) * near_inverse(g);
 }
 
 // The state from the slips before.
@@ -401,17 +431,38 @@ CAROM_INLINE Cubic cubic(Real whole, Real first, Real end) {
 }
 
 struct Interpolant {
-  Cubic near;
+  Cubic lower;
   Real r5;
   CAROM_INLINE Real operator()(Real t) const {
     const Real u = real(1.0) - t;
-    return t * fma(u, fma(t, fma(u, r5, near.r4), near.r3), near.whole);
+    return t * fma(u, fma(t, fma(u, r5, lower.r4), lower.r3), lower.whole);
   }
 };
 
+// Work of table friction from `from` to t, where the approach velocity is v: the integral of v t_y by parts, so that
+// nothing is a small difference of large numbers. Radau's nodes make it exact up to a quartic of impulses.
+template <class Impulse>
+CAROM_INLINE Real work_since(const Impulse& t_y, Real from, Real t, Real v, Real h) {
+  const Real way = t - from;
+  const Real before = t_y(from);
+  const Real moved = t_y(t) - before;
+  const Real first = t_y(fma(real(0.35505102572168222), way, from)) - before;
+  const Real second = t_y(fma(real(0.84494897427831778), way, from)) - before;
+  const Real mean = fma(real(0.51248582618842160), first, real(0.37640306270046728) * second);
+  return fma(moved, fma(real(-0.5), moved, v), real(-2.0) * h * way * mean);
+}
+
+// v^2 at the end where it was zero within the step: of `moved`, the change of v^2 since then, table friction did 2 `since`.
+// That share hardly changes, and so holds where both are rounding.
+CAROM_INLINE Real bounce_square(Real target, Real since, Real moved) {
+  const Real share = real(2.0) * since / (moved + real(kTinySquare));
+  return target / (real(1.0) - smaller(larger(share, real(-0.9)), real(0.6)));
+}
+
 // ---- The step into sticking ----------------------------------------------------------------------
-// From here to c = 0 with c_z = (1 - t)^2 times what it is: then all is smooth. Table impulses, the
-// normal impulse and r = c_x / c_z are stepped; contact impulses follow from the linear relations.
+// From here to c = 0 with c_z = left^2 times what it is, left = 1 - t. Table impulses, the normal impulse
+// and r = c_x / c_z over bent = left^a are stepped, where a is such that r is constant without table
+// friction; contact impulses follow from the linear relations.
 struct Tail {
   Real x, y, q, r;
 };
@@ -433,10 +484,11 @@ struct Plan {
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
-                                  const Tail& so_far, double left) {
+                                  const Tail& so_far, double left, double bent) {
   const Real c_z = at.c_z * real(left * left);
   const Real t_tail_x = so_far.x, t_tail_y = so_far.y, dq = so_far.q;
-  const Real d_tail_x = (fma(so_far.r, c_z, t_tail_x) - at.c_x) * real(0.14285714285714285);
+  const Real r = so_far.r * real(bent);
+  const Real d_tail_x = (fma(r, c_z, t_tail_x) - at.c_x) * real(0.14285714285714285);
   const Real d_tail_z = (c_z - at.c_z - real(2.5) * t_tail_y) * real(0.16666666666666666);
   const Real s_x = s_x0 + fma(real(3.5), t_tail_x, -d_tail_x);
   const Real s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
@@ -447,12 +499,13 @@ CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0
   const Real root = rsqrt(k_z);
   const Real scale = real(2.0 / left) * root * root;
   const Real pull = start.u_s * c_z * scale;  // negative
-  const Real n_r = fma(so_far.r, so_far.r, real(1.0));
+  const Real n_r = fma(r, r, real(1.0));
   TailRates out;
   out.k.x = pull * u_x;
   out.k.y = pull * u_y;
   out.k.q = -(n_r * rsqrt(n_r)) * c_z * scale * start.per_u_b;
-  out.k.r = -scale * fma(real(7.0) - k_z, so_far.r, real(1.0) * start.u_s * u_x);
+  out.k.r =
+      -scale * start.u_s * fma(real(2.9166666666666665) * u_y, so_far.r, real(1.0 / bent) * u_x);
   out.v = at.v + real(2.0) * dq + t_tail_y;
   return out;
 }
@@ -468,19 +521,19 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Mask compressing = lt(at.v, real(0.0));
   const Real r_0 = at.c_x / at.c_z;
   const TailRates w0 =
-      tail_rates(start, at, s_x0, s_y0, Tail{real(0.0), real(0.0), real(0.0), r_0}, 1.0);
+      tail_rates(start, at, s_x0, s_y0, Tail{real(0.0), real(0.0), real(0.0), r_0}, 1.0, 1.0);
   const Real z1_x = real(0.2) * w0.k.x;
   const Real z1_y = real(0.2) * w0.k.y;
   const Real z1_q = real(0.2) * w0.k.q;
   const Real z1_r = r_0 + real(0.2) * w0.k.r;
   const Tail z1 = {z1_x, z1_y, z1_q, z1_r};
-  const TailRates w1 = tail_rates(start, at, s_x0, s_y0, z1, 0.8);
+  const TailRates w1 = tail_rates(start, at, s_x0, s_y0, z1, 0.8, 0.9283177667225558);
   const Real z2_x = fma(real(0.225), w1.k.x, real(0.075) * w0.k.x);
   const Real z2_y = fma(real(0.225), w1.k.y, real(0.075) * w0.k.y);
   const Real z2_q = fma(real(0.225), w1.k.q, real(0.075) * w0.k.q);
   const Real z2_r = r_0 + fma(real(0.225), w1.k.r, real(0.075) * w0.k.r);
   const Tail z2 = {z2_x, z2_y, z2_q, z2_r};
-  const TailRates w2 = tail_rates(start, at, s_x0, s_y0, z2, 0.7);
+  const TailRates w2 = tail_rates(start, at, s_x0, s_y0, z2, 0.7, 0.8879040017426006);
   const Real z3_x = fma(real(3.5555555555555554), w2.k.x,
                         fma(real(-3.7333333333333334), w1.k.x, real(0.9777777777777777) * w0.k.x));
   const Real z3_y = fma(real(3.5555555555555554), w2.k.y,
@@ -491,7 +544,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
       r_0 + fma(real(3.5555555555555554), w2.k.r,
                 fma(real(-3.7333333333333334), w1.k.r, real(0.9777777777777777) * w0.k.r));
   const Tail z3 = {z3_x, z3_y, z3_q, z3_r};
-  const TailRates w3 = tail_rates(start, at, s_x0, s_y0, z3, 0.2);
+  const TailRates w3 = tail_rates(start, at, s_x0, s_y0, z3, 0.2, 0.5848035476425733);
   const Real z4_x =
       fma(real(-0.2908093278463649), w3.k.x,
           fma(real(9.822892851699436), w2.k.x,
@@ -509,7 +562,8 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
                 fma(real(9.822892851699436), w2.k.r,
                     fma(real(-11.595793324188385), w1.k.r, real(2.9525986892242035) * w0.k.r)));
   const Tail z4 = {z4_x, z4_y, z4_q, z4_r};
-  const TailRates w4 = tail_rates(start, at, s_x0, s_y0, z4, 0.1111111111111111);
+  const TailRates w4 =
+      tail_rates(start, at, s_x0, s_y0, z4, 0.1111111111111111, 0.4807498567691361);
   const Real z6_x =
       fma(real(-0.322376179245283), w4.k.x,
           fma(real(0.6510416666666666), w3.k.x,
@@ -549,30 +603,56 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
 
   const Tail& end = z6;
 
+  const Real t_tail_x = end.x, t_tail_y = end.y;
+  const Real d_tail_x = (t_tail_x - at.c_x) * real(0.14285714285714285);
+  const Real d_tail_z = (-at.c_z - real(2.5) * t_tail_y) * real(0.16666666666666666);
+  Real s_x, s_y;  // where it sticks
+  {
+    const Real dq = end.q;
+    s_x = s_x0 + fma(real(3.5), t_tail_x, -d_tail_x);
+    s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
+  }
+
   // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * abs(e_q * end.y / start.v_n);
-  const Real error =
-      real(kTail) *
-      (fma(plan.rest_error, abs(e_q), real(2.5) * max(abs(e_x), abs(e_y))) + work_error);
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
+                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
+                                       work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
-  const Real v_last = sqrt(max(square, real(0.0)));
-  const Real t_tail_x = end.x, t_tail_y = end.y;
-  const Real v_stuck = at.v + real(2.0) * end.q + t_tail_y;
+  const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
-  const Mask late = both(gt(plan.l_c, real(0.1) * start.tolerance),
-                         gt(v_stuck + real(12.0) * abs(e_q) + real(0.03) * end.q, limit));
+
+  // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
+  // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
+  // / u_b, within 2 % (Schwarz, with the weight exp(-m w)), and table friction makes at most `left` on the way.
+  const Real slowest = larger(real(6.0) - real(2.5) * start.u_s, real(0.006));
+  const Real left = start.u_s * absolute(at.c_z) * rough_inverse(slowest);
+  const Real m = real(14.0) * slowest * rough_inverse(real(7.0) + slowest);
+  const Real falls_x = at.c_x * at.c_x * rough_inverse(real(14.0) - m);
+  const Real falls_z = at.c_z * at.c_z * rough_inverse(fma(real(2.0), slowest, -m));
+  const Real falls = near_sqrt((falls_x + falls_z) * rough_inverse(m));
+  const Real latest = fma(real(0.14285714285714285), left, real(1.01) * falls) * start.per_u_b;
+  const Real v_stuck = at.v + real(2.0) * latest + absolute(left);
+  const Mask late = both(gt(plan.l_c, real(kGone) * start.tolerance), gt(v_stuck, limit));
   const Mask sticks = but_not(both(tries, le(error, real(kSafe) * start.tolerance)), late);
   if (!all(sticks)) {
     CAROM_BRANCH();
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
-    const Real cap = plan.l_c * max(real(0.1), min(real(0.5), power(ratio, kOrder)));
+    const Real cap = plan.l_c * larger(real(0.1), smaller(real(0.5), power(ratio, kOrder)));
     at.tail_cap = select(tries, cap, at.tail_cap);
   }
-  const Real d_tail_x = (t_tail_x - at.c_x) * real(0.14285714285714285);
-  const Real d_tail_z = (-at.c_z - real(2.5) * t_tail_y) * real(0.16666666666666666);
   const Real dq = real(0.5) * (v_last - at.v - t_tail_y);
   const Real move_s_x = fma(real(3.5), t_tail_x, -d_tail_x);
   const Real move_s_y = fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
@@ -609,12 +689,12 @@ CAROM_INLINE void pass_zero(const Start& start, Real turn, Real per_c, Real phi,
   const Real omega = real(21.0) * start.u_b * start.u_b * turn * per_c;
   const Mask departs = both(counts, either(plan.at_rest, ge(along, real(0.0))));
   if (wanted(departs)) {
-    const Real leaving = max(real(0.01) * phi, fma(real(0.0), phi, l_b));
+    const Real leaving = larger(real(0.01) * phi, l_b);
     const Real drift = select(plan.at_rest, l_b, leaving);
     const Real spin = (phi + real(kTinySquare)) * omega;
     const Real first = real(kDepart) * start.tolerance * (drift + phi) * drift * drift;
     const Real least =
-        max(reach, power(first * rough_inverse(fma(spin, spin, real(kTinySquare))), 21));
+        larger(reach, power(first * rough_inverse(fma(spin, spin, real(kTinySquare))), 21));
     plan.h = shorter(plan.h, select(departs, least, plan.h));
   }
   const Mask moves = but_not(counts, plan.at_rest);
@@ -623,13 +703,13 @@ CAROM_INLINE void pass_zero(const Start& start, Real turn, Real per_c, Real phi,
     const Mask approaches = gt(closest, real(0.7) * reach);
     const Mask within = but_not(lt(along, real(0.0)), approaches);
     const Real way = select(approaches, closest, reach);
-    const Real curved = max(miss, real(0.05) * omega * per_b * closest * closest);
+    const Real curved = larger(miss, real(0.05) * omega * per_b * closest * closest);
     const Real size = select(within, reach, select(approaches, curved, miss));
     const Real room =
         real(kPassage) * start.tolerance * rough_inverse(fma(phi, size, real(kTinySquare)));
     const Real most = real(20.0);
     const Real table = real(kTable);
-    const Real share = min(table * power(room, kOrder), select(within, real(1.0), most));
+    const Real share = smaller(table * power(room, kOrder), select(within, real(1.0), most));
     Real length = way * share;
     length = select(approaches, length * rough_inverse(real(1.0) + share), length);
     plan.h = shorter(plan.h, select(moves, length, plan.h));
@@ -663,10 +743,10 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   const Real per_b = rough_rsqrt(n_b);
   const Real l_b = n_b * per_b;
   const Real along = fma(at.s_x, b_x, at.s_y * b_y);
-  const Real miss =
-      abs(fma(at.s_x, b_y, -at.s_y * b_x)) * per_b * per_b;  // q: closest approach of s to zero
-  const Real reach = l_s * per_b;                            // q: |s| / |b|
-  const Real bend = min(real(1.0), miss * l_b * per_s);
+  const Real miss = absolute(fma(at.s_x, b_y, -at.s_y * b_x)) * per_b *
+                    per_b;         // q: closest approach of s to zero
+  const Real reach = l_s * per_b;  // q: |s| / |b|
+  const Real bend = smaller(real(1.0), miss * l_b * per_s);
 
   // What remains: of the collision, of the phase, and until the contact sticks.
   plan.goes_on = gt(at.rest, real(0.0));
@@ -676,30 +756,30 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
       n_c * l_c * start.per_u_b *
       rough_inverse(fma(real(7.0) * at.c_x, at.c_x, fma(k_z * at.c_z, at.c_z, real(kTinySquare))));
   const Real left =
-      real(0.4166666666666667) * start.u_s * abs(at.c_z);  // what table friction can still do
+      real(0.4166666666666667) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
   plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
-  const Mask matters = both(plan.sticks, gt(left, real(0.1) * start.tolerance));
+  const Mask matters = both(plan.sticks, gt(left, real(kCounts) * start.tolerance));
   if (wanted(matters)) {
     const Real room = power(start.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
     const Mask away = le(l_stick, real(0.6) * reach * room);
     const Mask towards = ge(-along, real(1.5) * l_stick * n_b);
-    const Mask clear =
+    const Mask settled =
         either(both(lt(along, real(0.0)), towards), both(ge(along, real(0.0)), away));
-    plan.sticks = but_not(plan.sticks, but_not(matters, clear));
+    plan.sticks = but_not(plan.sticks, but_not(matters, settled));
   }
 
   // Length of the step: by the turning of the contact slip, and by the passage of s by zero.
   const Real turn =
-      fma(real(0.14285714285714285) * abs(at.c_x * at.c_z), per_c * per_c,
-          fma(real(0.35714285714285715) * start.u_s * abs(at.c_z), per_c, real(kTinySquare)));
+      fma(real(0.14285714285714285) * absolute(at.c_x * at.c_z), per_c * per_c,
+          fma(real(0.35714285714285715) * start.u_s * absolute(at.c_z), per_c, real(kTinySquare)));
   plan.step_c =
-      min(real(kReach) * l_stick,
-          real(kTurn / 7.0) * l_c * start.per_u_b *
-              power(real(kSafe * 7.0) * start.tolerance * per_c * rough_inverse(turn), kOrder));
+      smaller(real(kReach) * l_stick,
+              real(kTurn / 7.0) * l_c * start.per_u_b *
+                  power(real(kSafe * 7.0) * start.tolerance * per_c * rough_inverse(turn), kOrder));
   plan.h = shorter(at.rest, plan.step_c);
-  const Mask counts = gt(phi * plan.h, real(0.3) * start.tolerance);
+  const Mask counts = gt(phi * plan.h, real(kCounts) * start.tolerance);
   if (wanted(counts)) {
     pass_zero(start, turn, per_c, phi, l_b, per_b, along, miss, reach, counts, plan);
   }
@@ -737,7 +817,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Real sum2_t_y = fma(real(0.225), k1.t_y, real(0.075) * k0.t_y);
   Real c_x2 = at.c_x;
   c_x2 = fma(real(7.0), m2_d_x, c_x2);
-  c_x2 = fma(real(-1.0), m2_t_x, c_x2);
+  c_x2 = c_x2 - m2_t_x;
   c_x2 = fma(real(1.575), k1.d_x, c_x2);
   c_x2 = fma(real(-0.225), k1.t_x, c_x2);
   Real c_z2 = at.c_z;
@@ -746,7 +826,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z2 = fma(real(1.35), k1.d_z, c_z2);
   c_z2 = fma(real(0.5625), k1.t_y, c_z2);
   Real s_x2 = at.s_x;
-  s_x2 = fma(real(-1.0), m2_d_x, s_x2);
+  s_x2 = s_x2 - m2_d_x;
   s_x2 = fma(real(3.5), m2_t_x, s_x2);
   s_x2 = fma(real(-0.225), k1.d_x, s_x2);
   s_x2 = fma(real(0.7875), k1.t_x, s_x2);
@@ -770,7 +850,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
           fma(real(-3.7333333333333334), k1.t_y, real(0.9777777777777777) * k0.t_y));
   Real c_x3 = at.c_x;
   c_x3 = fma(real(7.0), m3_d_x, c_x3);
-  c_x3 = fma(real(-1.0), m3_t_x, c_x3);
+  c_x3 = c_x3 - m3_t_x;
   c_x3 = fma(real(24.88888888888889), k2.d_x, c_x3);
   c_x3 = fma(real(-3.5555555555555554), k2.t_x, c_x3);
   Real c_z3 = at.c_z;
@@ -779,7 +859,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z3 = fma(real(21.333333333333332), k2.d_z, c_z3);
   c_z3 = fma(real(8.88888888888889), k2.t_y, c_z3);
   Real s_x3 = at.s_x;
-  s_x3 = fma(real(-1.0), m3_d_x, s_x3);
+  s_x3 = s_x3 - m3_d_x;
   s_x3 = fma(real(3.5), m3_t_x, s_x3);
   s_x3 = fma(real(-3.5555555555555554), k2.d_x, s_x3);
   s_x3 = fma(real(12.444444444444445), k2.t_x, s_x3);
@@ -812,7 +892,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
               fma(real(-11.595793324188385), k1.t_y, real(2.9525986892242035) * k0.t_y)));
   Real c_x4 = at.c_x;
   c_x4 = fma(real(7.0), m4_d_x, c_x4);
-  c_x4 = fma(real(-1.0), m4_t_x, c_x4);
+  c_x4 = c_x4 - m4_t_x;
   c_x4 = fma(real(-2.0356652949245544), k3.d_x, c_x4);
   c_x4 = fma(real(0.2908093278463649), k3.t_x, c_x4);
   Real c_z4 = at.c_z;
@@ -821,7 +901,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z4 = fma(real(-1.7448559670781894), k3.d_z, c_z4);
   c_z4 = fma(real(-0.7270233196159122), k3.t_y, c_z4);
   Real s_x4 = at.s_x;
-  s_x4 = fma(real(-1.0), m4_d_x, s_x4);
+  s_x4 = s_x4 - m4_d_x;
   s_x4 = fma(real(3.5), m4_t_x, s_x4);
   s_x4 = fma(real(0.2908093278463649), k3.d_x, s_x4);
   s_x4 = fma(real(-1.0178326474622772), k3.t_x, s_x4);
@@ -859,7 +939,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   sum5_t_y = fma(real(-0.2735313036020583), k4.t_y, sum5_t_y);
   Real c_x5 = at.c_x;
   c_x5 = fma(real(7.0), m5_d_x, c_x5);
-  c_x5 = fma(real(-1.0), m5_t_x, c_x5);
+  c_x5 = c_x5 - m5_t_x;
   c_x5 = fma(real(-1.9147191252144082), k4.d_x, c_x5);
   c_x5 = fma(real(0.2735313036020583), k4.t_x, c_x5);
   Real c_z5 = at.c_z;
@@ -868,11 +948,12 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z5 = fma(real(-1.6411878216123499), k4.d_z, c_z5);
   c_z5 = fma(real(-0.6838282590051458), k4.t_y, c_z5);
   Real s_x5 = at.s_x;
-  s_x5 = fma(real(-1.0), m5_d_x, s_x5);
+  s_x5 = s_x5 - m5_d_x;
   s_x5 = fma(real(3.5), m5_t_x, s_x5);
   s_x5 = fma(real(0.2735313036020583), k4.d_x, s_x5);
   s_x5 = fma(real(-0.9573595626072041), k4.t_x, s_x5);
-  Real s_y5 = at.s_y + h;
+  Real s_y5 = at.s_y;
+  s_y5 = s_y5 + h;
   s_y5 = fma(real(2.5), m5_d_z, s_y5);
   s_y5 = fma(real(3.5), m5_t_y, s_y5);
   s_y5 = fma(real(-0.6838282590051458), k4.d_z, s_y5);
@@ -920,7 +1001,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   sum6_t_y = fma(real(0.13095238095238096), k5.t_y, sum6_t_y);
   Real c_x6 = at.c_x;
   c_x6 = fma(real(7.0), m6_d_x, c_x6);
-  c_x6 = fma(real(-1.0), m6_t_x, c_x6);
+  c_x6 = c_x6 - m6_t_x;
   c_x6 = fma(real(0.9166666666666666), k5.d_x, c_x6);
   c_x6 = fma(real(-0.13095238095238096), k5.t_x, c_x6);
   Real c_z6 = at.c_z;
@@ -929,11 +1010,12 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z6 = fma(real(0.7857142857142857), k5.d_z, c_z6);
   c_z6 = fma(real(0.3273809523809524), k5.t_y, c_z6);
   Real s_x6 = at.s_x;
-  s_x6 = fma(real(-1.0), m6_d_x, s_x6);
+  s_x6 = s_x6 - m6_d_x;
   s_x6 = fma(real(3.5), m6_t_x, s_x6);
   s_x6 = fma(real(-0.13095238095238096), k5.d_x, s_x6);
   s_x6 = fma(real(0.4583333333333333), k5.t_x, s_x6);
-  Real s_y6 = at.s_y + h;
+  Real s_y6 = at.s_y;
+  s_y6 = s_y6 + h;
   s_y6 = fma(real(2.5), m6_d_z, s_y6);
   s_y6 = fma(real(3.5), m6_t_y, s_y6);
   s_y6 = fma(real(0.3273809523809524), k5.d_z, s_y6);
@@ -969,13 +1051,13 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   e_t_y = fma(real(0.0419047619047619), k5.t_y, e_t_y);
   e_t_y = fma(real(-0.025), k6.t_y, e_t_y);
 
-  const Real error =
-      real(2.5) * fma(real(kTableError), max(abs(e_t_x), abs(e_t_y)), max(abs(e_d_x), abs(e_d_z)));
+  const Real error = real(2.5) * fma(real(kTableError), larger(absolute(e_t_x), absolute(e_t_y)),
+                                     larger(absolute(e_d_x), absolute(e_d_z)));
   Mask keeps = both(tries, le(error, real(kSafe) * start.tolerance));
   if (!keeps) {
     CAROM_BRANCH();
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
-    at.h_cap = h * max(real(0.1), real(0.9) * power(max(ratio, real(kTinySquare)), kOrder));
+    at.h_cap = h * larger(real(0.1), real(0.9) * power(larger(ratio, real(kTinySquare)), kOrder));
     return false;
   }
   Real j_sum = real(0.09114583333333333) * j0;
@@ -991,14 +1073,14 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Mask compressing = lt(v0, real(0.0));
   const Real beyond = remaining_impulse(start, compressing, at.target, v6, k_end.t_y, at.work + dj);
   Mask lands = both(keeps, le(beyond, real(kExtend) * h));
-  const Mask far = both(lands, lt(beyond, real(-kInside) * h));
-  if (far) {
+  const Mask distant = both(lands, lt(beyond, real(-kInside) * h));
+  if (distant) {
     CAROM_BRANCH();
     at.h_cap = h + beyond;
     return false;
   }
-  const Mask crosses = both(both(keeps, compressing), either(ge(v6, real(0.0)), lands));
-  Real work = at.work;
+  Mask crosses = both(both(keeps, compressing), either(ge(v6, real(0.0)), lands));
+  Real work = at.work + dj;
   Real rest = beyond;
   Real end_c_x = y6.c_x;
   Real end_c_z = y6.c_z;
@@ -1023,6 +1105,10 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     const Interpolant t_y = Interpolant{cubic(sum6_t_y, k0.t_y, k6.t_y), r0_t_y};
     const Real sum6_j = j_sum;
     const Interpolant j = Interpolant{cubic(sum6_j, j0, j6), r0_j};
+    Real base =
+        real(0.0);  // of the work since the end of compression, or since the start of the step
+    Real base_work = at.work;
+    Real base_square = real(0.0);  // of v there
     if (any(crosses)) {
       CAROM_BRANCH();
       const Real per_dv = per_h * near_inverse((v6 - v0) * per_h);
@@ -1031,31 +1117,43 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
         const Real off = fma(real(2.0) * h, t, v0) + t_y(t);
         t = t - off * per_dv;
       }
-      const Real at_turn = at.work + j(t);
+      // What v still is there changes the work by its square, over the rate at which v grows.
+      const Real v_base = fma(real(2.0) * h, t, v0) + t_y(t);
+      const Real t_y_end = k_end.t_y;
+      const Real slack = real(0.5) * v_base * v_base * t_y_end * near_inverse(real(2.0) + t_y_end);
+      const Real at_turn = at.work + j(t) - slack;
       const Real target = start.e_b * start.e_b * fma(real(2.0), at_turn, start.v_n * start.v_n);
+      base = select(crosses, t, base);
+      const Real turned = slack + (work_since(t_y, base, real(1.0), v6, h));
+      const Real left =
+          remaining_impulse(start, but_not(compressing, crosses), target, v6, t_y_end, turned);
+      // Now it is known better whether the end is in this step.
+      lands = either(but_not(lands, crosses), both(crosses, le(left, real(kExtend) * h)));
+      crosses = both(crosses, either(ge(v6, real(0.0)), lands));
       at.target = select(crosses, target, at.target);
-      work = select(crosses, at.work - at_turn, work);
-      rest = select(crosses,
-                    remaining_impulse(start, but_not(compressing, crosses), at.target, v6,
-                                      k_end.t_y, work + dj),
-                    rest);
+      base_work = select(crosses, slack, base_work);
+      base_square = v_base * v_base;
+      work = select(crosses, turned, work);
+      rest = select(crosses, left, rest);
     }
     if (any(lands)) {
       CAROM_BRANCH();
       Real t = fma(rest, per_h, real(1.0));
       // Where friction changes v_n by as much as is left of it, the end is more than a guess away.
-      const Mask slow = both(lands, lt(v6, real(20.0) * abs(rest)));
+      const Mask slow = both(lands, lt(v6, real(20.0) * absolute(rest)));
       if (any(slow)) {
         CAROM_BRANCH();
-        const Mask bounces = gt(start.e_b, real(1e-5));
         for (int i = 0; i < 2; ++i) {
-          const Real square = select(bounces, fma(real(2.0), work + j(t), at.target),
-                                     at.target * fma(real(0.5), k_end.t_y, real(1.0)));
-          const Real speed = near_sqrt(max(square, real(0.0)));
-          const Real off = fma(real(2.0) * h, t, v0) + t_y(t) - speed;
-          const Real near =
-              min(max(t - real(0.5) * off * per_h, real(0.0)), real(1.0 + 2.0 * kExtend));
-          t = near;
+          const Real v = fma(real(2.0) * h, t, v0) + t_y(t);
+          const Real since = work_since(t_y, base, t, v, h);
+          const Real square =
+              select(crosses, bounce_square(at.target, since, fma(v, v, -base_square)),
+                     fma(real(2.0), base_work + since, at.target));
+          const Real speed = near_sqrt(larger(square, real(0.0)));
+          const Real off = v - speed;
+          const Real nearby =
+              smaller(larger(t - real(0.5) * off * per_h, real(0.0)), real(1.0 + 2.0 * kExtend));
+          t = nearby;
         }
       }
       const Real dq = h * t;
@@ -1063,7 +1161,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       const Real part_d_z = cubic(sum6_d_z, k0.d_z, k6.d_z)(t);
       const Real part_t_x = cubic(sum6_t_x, k0.t_x, k6.t_x)(t);
       const Real part_t_y = t_y(t);
-      const Real part_c_x = fma(real(-1.0), part_t_x, real(7.0) * part_d_x);
+      const Real part_c_x = real(7.0) * part_d_x - part_t_x;
       const Real part_c_z = fma(real(2.5), part_t_y, real(6.0) * part_d_z);
       const Real part_s_x = fma(real(3.5), part_t_x, -part_d_x);
       const Real part_s_y = fma(real(3.5), part_t_y, fma(real(2.5), part_d_z, dq));
@@ -1076,7 +1174,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     }
   }
   at.rest = select(keeps, rest, at.rest);
-  at.work = select(keeps, work + dj, at.work);
+  at.work = select(keeps, work, at.work);
   at.v = select(keeps, v6, at.v);
   at.q = select(keeps, at.q + dq_end, at.q);
   at.c_x = select(keeps, end_c_x, at.c_x);
@@ -1114,8 +1212,8 @@ inline bool step_pressed(const Parameters& p, Contact& b, bool first, double c_x
       std::sqrt(along_x * along_x + along_y * along_y + along_z * along_z + kTinySquare);
   Start start{};
   const Slips slips = {real(c_x * per_scale), real(sign * c_z * per_scale),
-                       min(max(real(sign * s_x * per_scale), real(-kMostSlip)), real(kMostSlip)),
-                       min(max(real(sign * s_y * per_scale), real(-kMostSlip)), real(kMostSlip))};
+                       real(limited(sign * s_x, kMostSlip * scale) * per_scale),
+                       real(limited(sign * s_y, kMostSlip * scale) * per_scale)};
   start.v_n = real(v_n * per_scale);
   start.u_b = real(p.u_b);
   start.u_s = real(first ? p.u_s1 : p.u_s2);
@@ -1167,6 +1265,8 @@ inline bool step_pressed(const Parameters& p, Contact& b, bool first, double c_x
 }
 
 [[maybe_unused]] constexpr double kNoPress = 1e-17;  // c_z over c_x up to which no ball is pressed
+[[maybe_unused]] constexpr double kNoApproach =
+    1e-140;  // v_n over other speeds up to which all is lost in rounding
 
 // ---- No vertical slip, or no friction -----------------------------------------------------------
 // No ball is pressed onto the table or lifted: v_n' and the direction of the slip are constant, so
@@ -1195,7 +1295,9 @@ inline bool step(const Parameters& p, Contact& b) {
   const double s2x = b.v2x - b.o2y;
   const double s2y = b.o2x + b.v2y;
   const double v_n = b.v2y - b.v1y;
-  if (std::fabs(c_z) <= kNoPress * std::fabs(c_x) || p.u_b <= 0.0) {
+  if (std::fabs(c_z) <= kNoPress * std::fabs(c_x) || p.u_b <= 1e-30 ||
+      std::fabs(v_n) <= kNoApproach * (std::fabs(c_x) + std::fabs(c_z) + std::fabs(b.v1x - b.v2x) +
+                                       std::fabs(b.v1z - b.v2z))) {
     step_level(p, b, c_x, v_n);
     return true;
   }

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: MIT-0
 // kernel:   x86-64-v4.any.mathavan2014.dp54.e1m06.x16.est1.fma.est1.i1.float
 // template: templates/kernel.cpp.j2
-// command:  ./gen --target x86-64-v4 --scene any --model mathavan2014
-// inputs:   sha256 ae1a53fc61695438
+// remake:   ./gen emit x86-64-v4.any.mathavan2014.dp54.e1m06.x16.est1.fma.est1.i1.float
+// inputs:   sha256 66544ab376769d88
+// chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 5.57e-07
 #include "carom.h"
 
 #include <cmath>
@@ -28,10 +29,22 @@
 // Short functions that are called in many places of a step: a call would cost more than they do.
 // Unoptimised code must do without C++'s library: with GCC what is inlined may not seem to throw, with Clang
 // it is the word itself that asks for the library.
+#if !defined(__OPTIMIZE__)  // every inlined copy would have a place of its own on the stack
 #ifdef __clang__
+#define CAROM_INLINE inline
+#else
+#define CAROM_INLINE inline __attribute__((nothrow))
+#endif
+#elif defined(__clang__)
 #define CAROM_INLINE inline __attribute__((always_inline))
 #else
 #define CAROM_INLINE inline __attribute__((always_inline, nothrow))
+#endif
+// What is called in turn shares the stack; inlined it would add up.
+#ifdef __clang__
+#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline))
+#else
+#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline, nothrow))
 #endif
 
 // Keeps a branch a branch: what it decides is then guessed while it is still being computed.
@@ -58,9 +71,11 @@ namespace {
 // Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.
 // Batches: the steps in floats, whose rounding that bound includes; all that is before and after
 // them in doubles.
-// Operations a step: 7 add, 109 mul, 208 fma, 1 div (533 flops), without the control of its length
-// and the roots' own.
+// Operations a step: 17 add, 109 mul, 198 fma, 1 div (523 flops), without the control of its
+// length and the roots' own.
 // Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.
+// Root estimates, which differ between CPUs: vrsqrt14 to 2^-14. What is chosen has held with
+// estimates off by all of that, in several patterns, too (docs/accuracy.md).
 
 // ---- Parameters -------------------------------------------------------------------------------
 
@@ -108,7 +123,8 @@ inline bool finite9(const double* x) {
 
 constexpr double kSmallestSquare = 1e-300;  // m^2, of the distance between the centres
 constexpr double kLargestSquare = 1e300;    // m^2
-constexpr double kLevel = 1e-9;     // a line of centres that rises by more is tilted, not rounded
+constexpr double kLevel =
+    1e-6;  // of its length: a line of centres that rises by no more counts as level
 constexpr double kFastest = 1e100;  // m/s; beyond, squares of speeds overflow
 
 // Can speeds be squared without overflow?
@@ -134,11 +150,11 @@ inline bool enter(const Parameters& p, const double* ball1, const double* ball2,
     status = (square < kSmallestSquare && d_z != 0.0) ? CAROM_TILTED : CAROM_BAD_INPUT;
     return false;
   }
-  if (d_z * d_z > kLevel * kLevel * square) {
+  const double distance = std::sqrt(square);
+  if (std::fabs(d_z) > kLevel * distance) {
     status = CAROM_TILTED;
     return false;
   }
-  const double distance = std::sqrt(square);
   b.f_x = d_x / distance;
   b.f_y = d_y / distance;
   b.f_z = 0.0;
@@ -172,9 +188,9 @@ typedef bool Mask;
 
 [[maybe_unused]] constexpr Real real(double x) { return static_cast<Real>(x); }
 [[maybe_unused]] inline Real fma(Real a, Real b, Real c) { return std::fma(a, b, c); }
-[[maybe_unused]] inline Real abs(Real x) { return std::fabs(x); }
-[[maybe_unused]] inline Real max(Real a, Real b) { return a > b ? a : b; }
-[[maybe_unused]] inline Real min(Real a, Real b) { return a < b ? a : b; }
+[[maybe_unused]] inline Real absolute(Real x) { return std::fabs(x); }
+[[maybe_unused]] inline Real larger(Real a, Real b) { return a > b ? a : b; }
+[[maybe_unused]] inline Real smaller(Real a, Real b) { return a < b ? a : b; }
 [[maybe_unused]] inline Real sqrt(Real x) { return std::sqrt(x); }
 [[maybe_unused]] inline Mask lt(Real a, Real b) { return a < b; }
 [[maybe_unused]] inline Mask le(Real a, Real b) { return a <= b; }
@@ -215,12 +231,12 @@ constexpr double kTinySquare = 1e-36;
 
 // The same before its last correction: x / sqrt(n) is ready as soon as the root alone would be.
 struct InverseRoot {
-  Real near, off, weight;
+  Real rough, off, weight;
   CAROM_INLINE Real of(Real x) const {
-    const Real nearly = x * near;
+    const Real nearly = x * rough;
     return fma(nearly * off, weight, nearly);
   }
-  CAROM_INLINE Real whole() const { return fma(near * off, weight, near); }
+  CAROM_INLINE Real whole() const { return fma(rough * off, weight, rough); }
 };
 CAROM_INLINE InverseRoot inverse_root(Real n) {
   const Real y = rsqrt_estimate(n);
@@ -258,6 +274,8 @@ inline double power_of_two(double x) {
   return x;
 }
 
+inline double limited(double x, double most) { return x > most ? most : x < -most ? -most : x; }
+
 // Its inverse, from the bits as well: a division would make everything wait.
 inline double inverse_of_power(double power) {
   std::uint64_t bits;
@@ -274,13 +292,17 @@ inline double inverse_of_power(double power) {
 // v_n = 0 and restitution at v_n^2 = e_b^2 (v_n0^2 + 2 J_c) + 2 (J - J_c). A step may pass the first and
 // stops at the second, both found on the step's own interpolant: nothing overshoots.
 
-constexpr double kTolerance = 2.0999999999999997e-07;  // of a step, relative to |v1 - v2|
-constexpr double kTurn = 2.3;        // scale of steps by the turning of the contact slip
-constexpr double kTable = 7.0;       // scale of steps by the distance of s from zero
-constexpr double kPassage = 0.0167;  // error of a passage of s by zero, in tolerances
-constexpr double kDepart = 3.3;      // error of the first step from rest, in tolerances
-constexpr double kTableError = 3.0;  // weight of the errors of table friction
-constexpr double kTail = 6.0;        // weight of the error of the step into sticking
+constexpr double kTolerance = 2.1e-07;  // of a step, relative to |v1 - v2|
+constexpr double kTurn = 2.3;           // scale of steps by the turning of the contact slip
+constexpr double kTable = 7.0;          // scale of steps by the distance of s from zero
+constexpr double kPassage = 0.0167;     // error of a passage of s by zero, in tolerances
+constexpr double kDepart = 3.3;         // error of the first step from rest, in tolerances
+constexpr double kTableError = 3.0;     // weight of the errors of table friction
+constexpr double kTail = 6.0;           // weight of the error of the step into sticking
+constexpr double kCounts = 0.072;       // friction on the table that is of account, in tolerances
+constexpr double kGone = 0.0476;        // contact slip that counts as gone, in tolerances
+constexpr double kTailUnseen =
+    1.82;  // of what is left of table friction, that step may miss where s passes zero
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
@@ -352,6 +374,14 @@ inline Rates rates_at_rest(const Start& start, const State& at) {
   return rates_at(start, Slips{at.c_x, at.c_z, -d_x, fma(real(2.5), d_z, real(1.0))}, real(1.0));
 }
 
+// 1 / P of docs/step-control.md: how near the table slip passes zero on its way from s0 to s1, of lengths l0
+// and l1. 1 where it passes zero itself.
+CAROM_INLINE Real steepness(Real s0_x, Real s0_y, Real l0, Real s1_x, Real s1_y, Real l1) {
+  const Real way = fma(s1_x - s0_x, s1_x - s0_x, (s1_y - s0_y) * (s1_y - s0_y));
+  const Real sum = l0 + l1;
+  return way * rough_inverse(fma(real(4.0) * sum, sum, real(-3.0) * way) + real(kTinySquare));
+}
+
 CAROM_INLINE Rates select_rates(Mask m, const Rates& yes, const Rates& no) {
   return Rates{select(m, yes.d_x, no.d_x), select(m, yes.d_z, no.d_z), select(m, yes.t_x, no.t_x),
                select(m, yes.t_y, no.t_y)};
@@ -367,7 +397,7 @@ CAROM_INLINE Real remaining_impulse(const Start& start, Mask compressing, Real t
   const Real g = real(2.0) + t_y;
   const Real share = select(compressing, start.e_b * start.e_b, real(1.0));
   const Real twice = fma(real(2.0) * share, work, target) * g - t_y * v * v * share;
-  return (near_sqrt(max(real(0.5) * twice, real(0.0))) - v) * near_inverse(g);
+  return (near_sqrt(larger(real(0.5) * twice, real(0.0))) - v) * near_inverse(g);
 }
 
 // The state from the slips before.
@@ -404,17 +434,38 @@ CAROM_INLINE Cubic cubic(Real whole, Real first, Real end) {
 }
 
 struct Interpolant {
-  Cubic near;
+  Cubic lower;
   Real r5;
   CAROM_INLINE Real operator()(Real t) const {
     const Real u = real(1.0) - t;
-    return t * fma(u, fma(t, fma(u, r5, near.r4), near.r3), near.whole);
+    return t * fma(u, fma(t, fma(u, r5, lower.r4), lower.r3), lower.whole);
   }
 };
 
+// Work of table friction from `from` to t, where the approach velocity is v: the integral of v t_y by parts, so that
+// nothing is a small difference of large numbers. Radau's nodes make it exact up to a quartic of impulses.
+template <class Impulse>
+CAROM_INLINE Real work_since(const Impulse& t_y, Real from, Real t, Real v, Real h) {
+  const Real way = t - from;
+  const Real before = t_y(from);
+  const Real moved = t_y(t) - before;
+  const Real first = t_y(fma(real(0.35505102572168222), way, from)) - before;
+  const Real second = t_y(fma(real(0.84494897427831778), way, from)) - before;
+  const Real mean = fma(real(0.51248582618842160), first, real(0.37640306270046728) * second);
+  return fma(moved, fma(real(-0.5), moved, v), real(-2.0) * h * way * mean);
+}
+
+// v^2 at the end where it was zero within the step: of `moved`, the change of v^2 since then, table friction did 2 `since`.
+// That share hardly changes, and so holds where both are rounding.
+CAROM_INLINE Real bounce_square(Real target, Real since, Real moved) {
+  const Real share = real(2.0) * since / (moved + real(kTinySquare));
+  return target / (real(1.0) - smaller(larger(share, real(-0.9)), real(0.6)));
+}
+
 // ---- The step into sticking ----------------------------------------------------------------------
-// From here to c = 0 with c_z = (1 - t)^2 times what it is: then all is smooth. Table impulses, the
-// normal impulse and r = c_x / c_z are stepped; contact impulses follow from the linear relations.
+// From here to c = 0 with c_z = left^2 times what it is, left = 1 - t. Table impulses, the normal impulse
+// and r = c_x / c_z over bent = left^a are stepped, where a is such that r is constant without table
+// friction; contact impulses follow from the linear relations.
 struct Tail {
   Real x, y, q, r;
 };
@@ -436,10 +487,11 @@ struct Plan {
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
-                                  const Tail& so_far, double left) {
+                                  const Tail& so_far, double left, double bent) {
   const Real c_z = at.c_z * real(left * left);
   const Real t_tail_x = so_far.x, t_tail_y = so_far.y, dq = so_far.q;
-  const Real d_tail_x = (fma(so_far.r, c_z, t_tail_x) - at.c_x) * real(0.14285714285714285);
+  const Real r = so_far.r * real(bent);
+  const Real d_tail_x = (fma(r, c_z, t_tail_x) - at.c_x) * real(0.14285714285714285);
   const Real d_tail_z = (c_z - at.c_z - real(2.5) * t_tail_y) * real(0.16666666666666666);
   const Real s_x = s_x0 + fma(real(3.5), t_tail_x, -d_tail_x);
   const Real s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
@@ -450,12 +502,13 @@ CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0
   const Real root = rsqrt(k_z);
   const Real scale = real(2.0 / left) * root * root;
   const Real pull = start.u_s * c_z * scale;  // negative
-  const Real n_r = fma(so_far.r, so_far.r, real(1.0));
+  const Real n_r = fma(r, r, real(1.0));
   TailRates out;
   out.k.x = pull * u_x;
   out.k.y = pull * u_y;
   out.k.q = -(n_r * rsqrt(n_r)) * c_z * scale * start.per_u_b;
-  out.k.r = -scale * fma(real(7.0) - k_z, so_far.r, real(1.0) * start.u_s * u_x);
+  out.k.r =
+      -scale * start.u_s * fma(real(2.9166666666666665) * u_y, so_far.r, real(1.0 / bent) * u_x);
   out.v = at.v + real(2.0) * dq + t_tail_y;
   return out;
 }
@@ -471,19 +524,19 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Mask compressing = lt(at.v, real(0.0));
   const Real r_0 = at.c_x / at.c_z;
   const TailRates w0 =
-      tail_rates(start, at, s_x0, s_y0, Tail{real(0.0), real(0.0), real(0.0), r_0}, 1.0);
+      tail_rates(start, at, s_x0, s_y0, Tail{real(0.0), real(0.0), real(0.0), r_0}, 1.0, 1.0);
   const Real z1_x = real(0.2) * w0.k.x;
   const Real z1_y = real(0.2) * w0.k.y;
   const Real z1_q = real(0.2) * w0.k.q;
   const Real z1_r = r_0 + real(0.2) * w0.k.r;
   const Tail z1 = {z1_x, z1_y, z1_q, z1_r};
-  const TailRates w1 = tail_rates(start, at, s_x0, s_y0, z1, 0.8);
+  const TailRates w1 = tail_rates(start, at, s_x0, s_y0, z1, 0.8, 0.9283177667225558);
   const Real z2_x = fma(real(0.225), w1.k.x, real(0.075) * w0.k.x);
   const Real z2_y = fma(real(0.225), w1.k.y, real(0.075) * w0.k.y);
   const Real z2_q = fma(real(0.225), w1.k.q, real(0.075) * w0.k.q);
   const Real z2_r = r_0 + fma(real(0.225), w1.k.r, real(0.075) * w0.k.r);
   const Tail z2 = {z2_x, z2_y, z2_q, z2_r};
-  const TailRates w2 = tail_rates(start, at, s_x0, s_y0, z2, 0.7);
+  const TailRates w2 = tail_rates(start, at, s_x0, s_y0, z2, 0.7, 0.8879040017426006);
   const Real z3_x = fma(real(3.5555555555555554), w2.k.x,
                         fma(real(-3.7333333333333334), w1.k.x, real(0.9777777777777777) * w0.k.x));
   const Real z3_y = fma(real(3.5555555555555554), w2.k.y,
@@ -494,7 +547,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
       r_0 + fma(real(3.5555555555555554), w2.k.r,
                 fma(real(-3.7333333333333334), w1.k.r, real(0.9777777777777777) * w0.k.r));
   const Tail z3 = {z3_x, z3_y, z3_q, z3_r};
-  const TailRates w3 = tail_rates(start, at, s_x0, s_y0, z3, 0.2);
+  const TailRates w3 = tail_rates(start, at, s_x0, s_y0, z3, 0.2, 0.5848035476425733);
   const Real z4_x =
       fma(real(-0.2908093278463649), w3.k.x,
           fma(real(9.822892851699436), w2.k.x,
@@ -512,7 +565,8 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
                 fma(real(9.822892851699436), w2.k.r,
                     fma(real(-11.595793324188385), w1.k.r, real(2.9525986892242035) * w0.k.r)));
   const Tail z4 = {z4_x, z4_y, z4_q, z4_r};
-  const TailRates w4 = tail_rates(start, at, s_x0, s_y0, z4, 0.1111111111111111);
+  const TailRates w4 =
+      tail_rates(start, at, s_x0, s_y0, z4, 0.1111111111111111, 0.4807498567691361);
   const Real z6_x =
       fma(real(-0.322376179245283), w4.k.x,
           fma(real(0.6510416666666666), w3.k.x,
@@ -552,30 +606,56 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
 
   const Tail& end = z6;
 
+  const Real t_tail_x = end.x, t_tail_y = end.y;
+  const Real d_tail_x = (t_tail_x - at.c_x) * real(0.14285714285714285);
+  const Real d_tail_z = (-at.c_z - real(2.5) * t_tail_y) * real(0.16666666666666666);
+  Real s_x, s_y;  // where it sticks
+  {
+    const Real dq = end.q;
+    s_x = s_x0 + fma(real(3.5), t_tail_x, -d_tail_x);
+    s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
+  }
+
   // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * abs(e_q * end.y / start.v_n);
-  const Real error =
-      real(kTail) *
-      (fma(plan.rest_error, abs(e_q), real(2.5) * max(abs(e_x), abs(e_y))) + work_error);
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
+                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
+                                       work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
-  const Real v_last = sqrt(max(square, real(0.0)));
-  const Real t_tail_x = end.x, t_tail_y = end.y;
-  const Real v_stuck = at.v + real(2.0) * end.q + t_tail_y;
+  const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
-  const Mask late = both(gt(plan.l_c, real(0.1) * start.tolerance),
-                         gt(v_stuck + real(12.0) * abs(e_q) + real(0.03) * end.q, limit));
+
+  // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
+  // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
+  // / u_b, within 2 % (Schwarz, with the weight exp(-m w)), and table friction makes at most `left` on the way.
+  const Real slowest = larger(real(6.0) - real(2.5) * start.u_s, real(0.006));
+  const Real left = start.u_s * absolute(at.c_z) * rough_inverse(slowest);
+  const Real m = real(14.0) * slowest * rough_inverse(real(7.0) + slowest);
+  const Real falls_x = at.c_x * at.c_x * rough_inverse(real(14.0) - m);
+  const Real falls_z = at.c_z * at.c_z * rough_inverse(fma(real(2.0), slowest, -m));
+  const Real falls = near_sqrt((falls_x + falls_z) * rough_inverse(m));
+  const Real latest = fma(real(0.14285714285714285), left, real(1.01) * falls) * start.per_u_b;
+  const Real v_stuck = at.v + real(2.0) * latest + absolute(left);
+  const Mask late = both(gt(plan.l_c, real(kGone) * start.tolerance), gt(v_stuck, limit));
   const Mask sticks = but_not(both(tries, le(error, real(kSafe) * start.tolerance)), late);
   if (!all(sticks)) {
     CAROM_BRANCH();
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
-    const Real cap = plan.l_c * max(real(0.1), min(real(0.5), power(ratio, kOrder)));
+    const Real cap = plan.l_c * larger(real(0.1), smaller(real(0.5), power(ratio, kOrder)));
     at.tail_cap = select(tries, cap, at.tail_cap);
   }
-  const Real d_tail_x = (t_tail_x - at.c_x) * real(0.14285714285714285);
-  const Real d_tail_z = (-at.c_z - real(2.5) * t_tail_y) * real(0.16666666666666666);
   const Real dq = real(0.5) * (v_last - at.v - t_tail_y);
   const Real move_s_x = fma(real(3.5), t_tail_x, -d_tail_x);
   const Real move_s_y = fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
@@ -612,12 +692,12 @@ CAROM_INLINE void pass_zero(const Start& start, Real turn, Real per_c, Real phi,
   const Real omega = real(21.0) * start.u_b * start.u_b * turn * per_c;
   const Mask departs = both(counts, either(plan.at_rest, ge(along, real(0.0))));
   if (wanted(departs)) {
-    const Real leaving = max(real(0.01) * phi, fma(real(0.0), phi, l_b));
+    const Real leaving = larger(real(0.01) * phi, l_b);
     const Real drift = select(plan.at_rest, l_b, leaving);
     const Real spin = (phi + real(kTinySquare)) * omega;
     const Real first = real(kDepart) * start.tolerance * (drift + phi) * drift * drift;
     const Real least =
-        max(reach, power(first * rough_inverse(fma(spin, spin, real(kTinySquare))), 21));
+        larger(reach, power(first * rough_inverse(fma(spin, spin, real(kTinySquare))), 21));
     plan.h = shorter(plan.h, select(departs, least, plan.h));
   }
   const Mask moves = but_not(counts, plan.at_rest);
@@ -626,13 +706,13 @@ CAROM_INLINE void pass_zero(const Start& start, Real turn, Real per_c, Real phi,
     const Mask approaches = gt(closest, real(0.7) * reach);
     const Mask within = but_not(lt(along, real(0.0)), approaches);
     const Real way = select(approaches, closest, reach);
-    const Real curved = max(miss, real(0.05) * omega * per_b * closest * closest);
+    const Real curved = larger(miss, real(0.05) * omega * per_b * closest * closest);
     const Real size = select(within, reach, select(approaches, curved, miss));
     const Real room =
         real(kPassage) * start.tolerance * rough_inverse(fma(phi, size, real(kTinySquare)));
     const Real most = real(20.0);
     const Real table = real(kTable);
-    const Real share = min(table * power(room, kOrder), select(within, real(1.0), most));
+    const Real share = smaller(table * power(room, kOrder), select(within, real(1.0), most));
     Real length = way * share;
     length = select(approaches, length * rough_inverse(real(1.0) + share), length);
     plan.h = shorter(plan.h, select(moves, length, plan.h));
@@ -666,10 +746,10 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   const Real per_b = rough_rsqrt(n_b);
   const Real l_b = n_b * per_b;
   const Real along = fma(at.s_x, b_x, at.s_y * b_y);
-  const Real miss =
-      abs(fma(at.s_x, b_y, -at.s_y * b_x)) * per_b * per_b;  // q: closest approach of s to zero
-  const Real reach = l_s * per_b;                            // q: |s| / |b|
-  const Real bend = min(real(1.0), miss * l_b * per_s);
+  const Real miss = absolute(fma(at.s_x, b_y, -at.s_y * b_x)) * per_b *
+                    per_b;         // q: closest approach of s to zero
+  const Real reach = l_s * per_b;  // q: |s| / |b|
+  const Real bend = smaller(real(1.0), miss * l_b * per_s);
 
   // What remains: of the collision, of the phase, and until the contact sticks.
   plan.goes_on = gt(at.rest, real(0.0));
@@ -679,30 +759,30 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
       n_c * l_c * start.per_u_b *
       rough_inverse(fma(real(7.0) * at.c_x, at.c_x, fma(k_z * at.c_z, at.c_z, real(kTinySquare))));
   const Real left =
-      real(0.4166666666666667) * start.u_s * abs(at.c_z);  // what table friction can still do
+      real(0.4166666666666667) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
   plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
-  const Mask matters = both(plan.sticks, gt(left, real(0.1) * start.tolerance));
+  const Mask matters = both(plan.sticks, gt(left, real(kCounts) * start.tolerance));
   if (wanted(matters)) {
     const Real room = power(start.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
     const Mask away = le(l_stick, real(0.6) * reach * room);
     const Mask towards = ge(-along, real(1.5) * l_stick * n_b);
-    const Mask clear =
+    const Mask settled =
         either(both(lt(along, real(0.0)), towards), both(ge(along, real(0.0)), away));
-    plan.sticks = but_not(plan.sticks, but_not(matters, clear));
+    plan.sticks = but_not(plan.sticks, but_not(matters, settled));
   }
 
   // Length of the step: by the turning of the contact slip, and by the passage of s by zero.
   const Real turn =
-      fma(real(0.14285714285714285) * abs(at.c_x * at.c_z), per_c * per_c,
-          fma(real(0.35714285714285715) * start.u_s * abs(at.c_z), per_c, real(kTinySquare)));
+      fma(real(0.14285714285714285) * absolute(at.c_x * at.c_z), per_c * per_c,
+          fma(real(0.35714285714285715) * start.u_s * absolute(at.c_z), per_c, real(kTinySquare)));
   plan.step_c =
-      min(real(kReach) * l_stick,
-          real(kTurn / 7.0) * l_c * start.per_u_b *
-              power(real(kSafe * 7.0) * start.tolerance * per_c * rough_inverse(turn), kOrder));
+      smaller(real(kReach) * l_stick,
+              real(kTurn / 7.0) * l_c * start.per_u_b *
+                  power(real(kSafe * 7.0) * start.tolerance * per_c * rough_inverse(turn), kOrder));
   plan.h = shorter(at.rest, plan.step_c);
-  const Mask counts = gt(phi * plan.h, real(0.3) * start.tolerance);
+  const Mask counts = gt(phi * plan.h, real(kCounts) * start.tolerance);
   if (wanted(counts)) {
     pass_zero(start, turn, per_c, phi, l_b, per_b, along, miss, reach, counts, plan);
   }
@@ -740,7 +820,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Real sum2_t_y = fma(real(0.225), k1.t_y, real(0.075) * k0.t_y);
   Real c_x2 = at.c_x;
   c_x2 = fma(real(7.0), m2_d_x, c_x2);
-  c_x2 = fma(real(-1.0), m2_t_x, c_x2);
+  c_x2 = c_x2 - m2_t_x;
   c_x2 = fma(real(1.575), k1.d_x, c_x2);
   c_x2 = fma(real(-0.225), k1.t_x, c_x2);
   Real c_z2 = at.c_z;
@@ -749,7 +829,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z2 = fma(real(1.35), k1.d_z, c_z2);
   c_z2 = fma(real(0.5625), k1.t_y, c_z2);
   Real s_x2 = at.s_x;
-  s_x2 = fma(real(-1.0), m2_d_x, s_x2);
+  s_x2 = s_x2 - m2_d_x;
   s_x2 = fma(real(3.5), m2_t_x, s_x2);
   s_x2 = fma(real(-0.225), k1.d_x, s_x2);
   s_x2 = fma(real(0.7875), k1.t_x, s_x2);
@@ -773,7 +853,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
           fma(real(-3.7333333333333334), k1.t_y, real(0.9777777777777777) * k0.t_y));
   Real c_x3 = at.c_x;
   c_x3 = fma(real(7.0), m3_d_x, c_x3);
-  c_x3 = fma(real(-1.0), m3_t_x, c_x3);
+  c_x3 = c_x3 - m3_t_x;
   c_x3 = fma(real(24.88888888888889), k2.d_x, c_x3);
   c_x3 = fma(real(-3.5555555555555554), k2.t_x, c_x3);
   Real c_z3 = at.c_z;
@@ -782,7 +862,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z3 = fma(real(21.333333333333332), k2.d_z, c_z3);
   c_z3 = fma(real(8.88888888888889), k2.t_y, c_z3);
   Real s_x3 = at.s_x;
-  s_x3 = fma(real(-1.0), m3_d_x, s_x3);
+  s_x3 = s_x3 - m3_d_x;
   s_x3 = fma(real(3.5), m3_t_x, s_x3);
   s_x3 = fma(real(-3.5555555555555554), k2.d_x, s_x3);
   s_x3 = fma(real(12.444444444444445), k2.t_x, s_x3);
@@ -815,7 +895,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
               fma(real(-11.595793324188385), k1.t_y, real(2.9525986892242035) * k0.t_y)));
   Real c_x4 = at.c_x;
   c_x4 = fma(real(7.0), m4_d_x, c_x4);
-  c_x4 = fma(real(-1.0), m4_t_x, c_x4);
+  c_x4 = c_x4 - m4_t_x;
   c_x4 = fma(real(-2.0356652949245544), k3.d_x, c_x4);
   c_x4 = fma(real(0.2908093278463649), k3.t_x, c_x4);
   Real c_z4 = at.c_z;
@@ -824,7 +904,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z4 = fma(real(-1.7448559670781894), k3.d_z, c_z4);
   c_z4 = fma(real(-0.7270233196159122), k3.t_y, c_z4);
   Real s_x4 = at.s_x;
-  s_x4 = fma(real(-1.0), m4_d_x, s_x4);
+  s_x4 = s_x4 - m4_d_x;
   s_x4 = fma(real(3.5), m4_t_x, s_x4);
   s_x4 = fma(real(0.2908093278463649), k3.d_x, s_x4);
   s_x4 = fma(real(-1.0178326474622772), k3.t_x, s_x4);
@@ -862,7 +942,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   sum5_t_y = fma(real(-0.2735313036020583), k4.t_y, sum5_t_y);
   Real c_x5 = at.c_x;
   c_x5 = fma(real(7.0), m5_d_x, c_x5);
-  c_x5 = fma(real(-1.0), m5_t_x, c_x5);
+  c_x5 = c_x5 - m5_t_x;
   c_x5 = fma(real(-1.9147191252144082), k4.d_x, c_x5);
   c_x5 = fma(real(0.2735313036020583), k4.t_x, c_x5);
   Real c_z5 = at.c_z;
@@ -871,11 +951,12 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z5 = fma(real(-1.6411878216123499), k4.d_z, c_z5);
   c_z5 = fma(real(-0.6838282590051458), k4.t_y, c_z5);
   Real s_x5 = at.s_x;
-  s_x5 = fma(real(-1.0), m5_d_x, s_x5);
+  s_x5 = s_x5 - m5_d_x;
   s_x5 = fma(real(3.5), m5_t_x, s_x5);
   s_x5 = fma(real(0.2735313036020583), k4.d_x, s_x5);
   s_x5 = fma(real(-0.9573595626072041), k4.t_x, s_x5);
-  Real s_y5 = at.s_y + h;
+  Real s_y5 = at.s_y;
+  s_y5 = s_y5 + h;
   s_y5 = fma(real(2.5), m5_d_z, s_y5);
   s_y5 = fma(real(3.5), m5_t_y, s_y5);
   s_y5 = fma(real(-0.6838282590051458), k4.d_z, s_y5);
@@ -923,7 +1004,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   sum6_t_y = fma(real(0.13095238095238096), k5.t_y, sum6_t_y);
   Real c_x6 = at.c_x;
   c_x6 = fma(real(7.0), m6_d_x, c_x6);
-  c_x6 = fma(real(-1.0), m6_t_x, c_x6);
+  c_x6 = c_x6 - m6_t_x;
   c_x6 = fma(real(0.9166666666666666), k5.d_x, c_x6);
   c_x6 = fma(real(-0.13095238095238096), k5.t_x, c_x6);
   Real c_z6 = at.c_z;
@@ -932,11 +1013,12 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   c_z6 = fma(real(0.7857142857142857), k5.d_z, c_z6);
   c_z6 = fma(real(0.3273809523809524), k5.t_y, c_z6);
   Real s_x6 = at.s_x;
-  s_x6 = fma(real(-1.0), m6_d_x, s_x6);
+  s_x6 = s_x6 - m6_d_x;
   s_x6 = fma(real(3.5), m6_t_x, s_x6);
   s_x6 = fma(real(-0.13095238095238096), k5.d_x, s_x6);
   s_x6 = fma(real(0.4583333333333333), k5.t_x, s_x6);
-  Real s_y6 = at.s_y + h;
+  Real s_y6 = at.s_y;
+  s_y6 = s_y6 + h;
   s_y6 = fma(real(2.5), m6_d_z, s_y6);
   s_y6 = fma(real(3.5), m6_t_y, s_y6);
   s_y6 = fma(real(0.3273809523809524), k5.d_z, s_y6);
@@ -972,13 +1054,13 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   e_t_y = fma(real(0.0419047619047619), k5.t_y, e_t_y);
   e_t_y = fma(real(-0.025), k6.t_y, e_t_y);
 
-  const Real error =
-      real(2.5) * fma(real(kTableError), max(abs(e_t_x), abs(e_t_y)), max(abs(e_d_x), abs(e_d_z)));
+  const Real error = real(2.5) * fma(real(kTableError), larger(absolute(e_t_x), absolute(e_t_y)),
+                                     larger(absolute(e_d_x), absolute(e_d_z)));
   Mask keeps = both(tries, le(error, real(kSafe) * start.tolerance));
   if (!keeps) {
     CAROM_BRANCH();
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
-    at.h_cap = h * max(real(0.1), real(0.9) * power(max(ratio, real(kTinySquare)), kOrder));
+    at.h_cap = h * larger(real(0.1), real(0.9) * power(larger(ratio, real(kTinySquare)), kOrder));
     return false;
   }
   Real j_sum = real(0.09114583333333333) * j0;
@@ -994,14 +1076,14 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Mask compressing = lt(v0, real(0.0));
   const Real beyond = remaining_impulse(start, compressing, at.target, v6, k_end.t_y, at.work + dj);
   Mask lands = both(keeps, le(beyond, real(kExtend) * h));
-  const Mask far = both(lands, lt(beyond, real(-kInside) * h));
-  if (far) {
+  const Mask distant = both(lands, lt(beyond, real(-kInside) * h));
+  if (distant) {
     CAROM_BRANCH();
     at.h_cap = h + beyond;
     return false;
   }
-  const Mask crosses = both(both(keeps, compressing), either(ge(v6, real(0.0)), lands));
-  Real work = at.work;
+  Mask crosses = both(both(keeps, compressing), either(ge(v6, real(0.0)), lands));
+  Real work = at.work + dj;
   Real rest = beyond;
   Real end_c_x = y6.c_x;
   Real end_c_z = y6.c_z;
@@ -1026,6 +1108,10 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     const Interpolant t_y = Interpolant{cubic(sum6_t_y, k0.t_y, k6.t_y), r0_t_y};
     const Real sum6_j = j_sum;
     const Interpolant j = Interpolant{cubic(sum6_j, j0, j6), r0_j};
+    Real base =
+        real(0.0);  // of the work since the end of compression, or since the start of the step
+    Real base_work = at.work;
+    Real base_square = real(0.0);  // of v there
     if (any(crosses)) {
       CAROM_BRANCH();
       const Real per_dv = per_h * near_inverse((v6 - v0) * per_h);
@@ -1034,31 +1120,43 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
         const Real off = fma(real(2.0) * h, t, v0) + t_y(t);
         t = t - off * per_dv;
       }
-      const Real at_turn = at.work + j(t);
+      // What v still is there changes the work by its square, over the rate at which v grows.
+      const Real v_base = fma(real(2.0) * h, t, v0) + t_y(t);
+      const Real t_y_end = k_end.t_y;
+      const Real slack = real(0.5) * v_base * v_base * t_y_end * near_inverse(real(2.0) + t_y_end);
+      const Real at_turn = at.work + j(t) - slack;
       const Real target = start.e_b * start.e_b * fma(real(2.0), at_turn, start.v_n * start.v_n);
+      base = select(crosses, t, base);
+      const Real turned = slack + (work_since(t_y, base, real(1.0), v6, h));
+      const Real left =
+          remaining_impulse(start, but_not(compressing, crosses), target, v6, t_y_end, turned);
+      // Now it is known better whether the end is in this step.
+      lands = either(but_not(lands, crosses), both(crosses, le(left, real(kExtend) * h)));
+      crosses = both(crosses, either(ge(v6, real(0.0)), lands));
       at.target = select(crosses, target, at.target);
-      work = select(crosses, at.work - at_turn, work);
-      rest = select(crosses,
-                    remaining_impulse(start, but_not(compressing, crosses), at.target, v6,
-                                      k_end.t_y, work + dj),
-                    rest);
+      base_work = select(crosses, slack, base_work);
+      base_square = v_base * v_base;
+      work = select(crosses, turned, work);
+      rest = select(crosses, left, rest);
     }
     if (any(lands)) {
       CAROM_BRANCH();
       Real t = fma(rest, per_h, real(1.0));
       // Where friction changes v_n by as much as is left of it, the end is more than a guess away.
-      const Mask slow = both(lands, lt(v6, real(20.0) * abs(rest)));
+      const Mask slow = both(lands, lt(v6, real(20.0) * absolute(rest)));
       if (any(slow)) {
         CAROM_BRANCH();
-        const Mask bounces = gt(start.e_b, real(1e-5));
         for (int i = 0; i < 2; ++i) {
-          const Real square = select(bounces, fma(real(2.0), work + j(t), at.target),
-                                     at.target * fma(real(0.5), k_end.t_y, real(1.0)));
-          const Real speed = near_sqrt(max(square, real(0.0)));
-          const Real off = fma(real(2.0) * h, t, v0) + t_y(t) - speed;
-          const Real near =
-              min(max(t - real(0.5) * off * per_h, real(0.0)), real(1.0 + 2.0 * kExtend));
-          t = near;
+          const Real v = fma(real(2.0) * h, t, v0) + t_y(t);
+          const Real since = work_since(t_y, base, t, v, h);
+          const Real square =
+              select(crosses, bounce_square(at.target, since, fma(v, v, -base_square)),
+                     fma(real(2.0), base_work + since, at.target));
+          const Real speed = near_sqrt(larger(square, real(0.0)));
+          const Real off = v - speed;
+          const Real nearby =
+              smaller(larger(t - real(0.5) * off * per_h, real(0.0)), real(1.0 + 2.0 * kExtend));
+          t = nearby;
         }
       }
       const Real dq = h * t;
@@ -1066,7 +1164,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       const Real part_d_z = cubic(sum6_d_z, k0.d_z, k6.d_z)(t);
       const Real part_t_x = cubic(sum6_t_x, k0.t_x, k6.t_x)(t);
       const Real part_t_y = t_y(t);
-      const Real part_c_x = fma(real(-1.0), part_t_x, real(7.0) * part_d_x);
+      const Real part_c_x = real(7.0) * part_d_x - part_t_x;
       const Real part_c_z = fma(real(2.5), part_t_y, real(6.0) * part_d_z);
       const Real part_s_x = fma(real(3.5), part_t_x, -part_d_x);
       const Real part_s_y = fma(real(3.5), part_t_y, fma(real(2.5), part_d_z, dq));
@@ -1079,7 +1177,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     }
   }
   at.rest = select(keeps, rest, at.rest);
-  at.work = select(keeps, work + dj, at.work);
+  at.work = select(keeps, work, at.work);
   at.v = select(keeps, v6, at.v);
   at.q = select(keeps, at.q + dq_end, at.q);
   at.c_x = select(keeps, end_c_x, at.c_x);
@@ -1117,8 +1215,8 @@ inline bool step_pressed(const Parameters& p, Contact& b, bool first, double c_x
       std::sqrt(along_x * along_x + along_y * along_y + along_z * along_z + kTinySquare);
   Start start{};
   const Slips slips = {real(c_x * per_scale), real(sign * c_z * per_scale),
-                       min(max(real(sign * s_x * per_scale), real(-kMostSlip)), real(kMostSlip)),
-                       min(max(real(sign * s_y * per_scale), real(-kMostSlip)), real(kMostSlip))};
+                       real(limited(sign * s_x, kMostSlip * scale) * per_scale),
+                       real(limited(sign * s_y, kMostSlip * scale) * per_scale)};
   start.v_n = real(v_n * per_scale);
   start.u_b = real(p.u_b);
   start.u_s = real(first ? p.u_s1 : p.u_s2);
@@ -1170,6 +1268,8 @@ inline bool step_pressed(const Parameters& p, Contact& b, bool first, double c_x
 }
 
 [[maybe_unused]] constexpr double kNoPress = 1e-17;  // c_z over c_x up to which no ball is pressed
+[[maybe_unused]] constexpr double kNoApproach =
+    1e-140;  // v_n over other speeds up to which all is lost in rounding
 
 // ---- No vertical slip, or no friction -----------------------------------------------------------
 // No ball is pressed onto the table or lifted: v_n' and the direction of the slip are constant, so
@@ -1198,7 +1298,9 @@ inline bool step(const Parameters& p, Contact& b) {
   const double s2x = b.v2x - b.o2y;
   const double s2y = b.o2x + b.v2y;
   const double v_n = b.v2y - b.v1y;
-  if (std::fabs(c_z) <= kNoPress * std::fabs(c_x) || p.u_b <= 0.0) {
+  if (std::fabs(c_z) <= kNoPress * std::fabs(c_x) || p.u_b <= 1e-30 ||
+      std::fabs(v_n) <= kNoApproach * (std::fabs(c_x) + std::fabs(c_z) + std::fabs(b.v1x - b.v2x) +
+                                       std::fabs(b.v1z - b.v2z))) {
     step_level(p, b, c_x, v_n);
     return true;
   }
@@ -1263,8 +1365,12 @@ constexpr Mask kEvery = 0xffff;  // GCC 12 warns of the unmasked forms (bug 1055
 }
 [[maybe_unused]] CAROM_INLINE Real fma(Real a, Real b, Real c) { return _mm512_fmadd_ps(a, b, c); }
 [[maybe_unused]] CAROM_INLINE Real sqrt(Real x) { return _mm512_maskz_sqrt_ps(kEvery, x); }
-[[maybe_unused]] CAROM_INLINE Real min(Real a, Real b) { return _mm512_maskz_min_ps(kEvery, a, b); }
-[[maybe_unused]] CAROM_INLINE Real max(Real a, Real b) { return _mm512_maskz_max_ps(kEvery, a, b); }
+[[maybe_unused]] CAROM_INLINE Real smaller(Real a, Real b) {
+  return _mm512_maskz_min_ps(kEvery, a, b);
+}
+[[maybe_unused]] CAROM_INLINE Real larger(Real a, Real b) {
+  return _mm512_maskz_max_ps(kEvery, a, b);
+}
 [[maybe_unused]] CAROM_INLINE Real rsqrt_estimate(Real x) {
   return _mm512_maskz_rsqrt14_ps(kEvery, x);
 }
@@ -1302,7 +1408,7 @@ constexpr Mask kEvery = 0xffff;  // GCC 12 warns of the unmasked forms (bug 1055
 
 constexpr std::uint32_t kSignBit = 0x80000000u;
 
-[[maybe_unused]] CAROM_INLINE Real abs(Real x) {
+[[maybe_unused]] CAROM_INLINE Real absolute(Real x) {
   return from_bits(bits_of(x) & all_bits(~kSignBit));
 }
 [[maybe_unused]] CAROM_INLINE Real copysign(Real x, Real sign) {
@@ -1372,7 +1478,8 @@ constexpr double kTinySquare = 1e-24;
 
 // ---- What the frame and the stepper pass to each other ------------------------------------------
 
-constexpr int kSlots = 2048;  // collisions in a block
+constexpr int kGroups = 47;  // vectors of collisions that may be under way
+constexpr int kSlots = kGroups * kLanes;
 
 // What a vector of collisions starts from; speeds are scaled.
 struct Taken {
@@ -1388,13 +1495,11 @@ struct Taken {
 // What collisions changed.
 struct Results {
   // Impulses, and the normal impulse; below 0: too many steps.
-  Number gain_d_x[kSlots + kLanes];
-  Number gain_d_z[kSlots + kLanes];
-  Number gain_t_x[kSlots + kLanes];
-  Number gain_t_y[kSlots + kLanes];
-  Number q[kSlots + kLanes];
-  Number slot[kSlots + kLanes];
-  int count;
+  Number gain_d_x[kSlots];
+  Number gain_d_z[kSlots];
+  Number gain_t_x[kSlots];
+  Number gain_t_y[kSlots];
+  Number q[kSlots];
 };
 
 // Directions, speeds and statuses in double: rounded to float before they are known, balls far from the
@@ -1428,8 +1533,12 @@ constexpr Mask kEvery = 0xff;  // GCC 12 warns of the unmasked forms (bug 105593
 }
 [[maybe_unused]] CAROM_INLINE Real fma(Real a, Real b, Real c) { return _mm512_fmadd_pd(a, b, c); }
 [[maybe_unused]] CAROM_INLINE Real sqrt(Real x) { return _mm512_maskz_sqrt_pd(kEvery, x); }
-[[maybe_unused]] CAROM_INLINE Real min(Real a, Real b) { return _mm512_maskz_min_pd(kEvery, a, b); }
-[[maybe_unused]] CAROM_INLINE Real max(Real a, Real b) { return _mm512_maskz_max_pd(kEvery, a, b); }
+[[maybe_unused]] CAROM_INLINE Real smaller(Real a, Real b) {
+  return _mm512_maskz_min_pd(kEvery, a, b);
+}
+[[maybe_unused]] CAROM_INLINE Real larger(Real a, Real b) {
+  return _mm512_maskz_max_pd(kEvery, a, b);
+}
 [[maybe_unused]] CAROM_INLINE Real rsqrt_estimate(Real x) {
   return _mm512_maskz_rsqrt14_pd(kEvery, x);
 }
@@ -1471,7 +1580,7 @@ constexpr Mask kEvery = 0xff;  // GCC 12 warns of the unmasked forms (bug 105593
 
 constexpr std::uint64_t kSignBit = 0x8000000000000000u;
 
-[[maybe_unused]] CAROM_INLINE Real abs(Real x) {
+[[maybe_unused]] CAROM_INLINE Real absolute(Real x) {
   return from_bits(bits_of(x) & all_bits(~kSignBit));
 }
 [[maybe_unused]] CAROM_INLINE Real copysign(Real x, Real sign) {
@@ -1587,7 +1696,9 @@ CAROM_INLINE Real friction_of(const Batch& batch, size_t first, int count) {
 CAROM_INLINE Real per_distance_of(const Balls& balls) {
   const Real d_x = balls.two[0] - balls.one[0];
   const Real d_y = balls.two[1] - balls.one[1];
-  return real(1.0) / sqrt(d_x * d_x + d_y * d_y);
+  const Real square = d_x * d_x + d_y * d_y;
+  return real(1.0) /
+         sqrt(larger(square, real(kSmallestSquare)));  // no division by zero, whatever comes in
 }
 
 CAROM_INLINE Contact contact_of(const Batch& batch, const Balls& balls, Real per_distance) {
@@ -1616,11 +1727,12 @@ CAROM_INLINE Contact contact_of(const Batch& batch, const Balls& balls, Real per
 }
 
 // The status of each lane before its collision.
-CAROM_INLINE Real status_of(const Batch& batch, const Balls& balls, const Contact& b, Real u_b) {
+CAROM_INLINE Real status_of(const Batch& batch, const Balls& balls, Real per_distance,
+                            const Contact& b, Real u_b) {
   const Real* const ball1 = balls.one;
   const Real* const ball2 = balls.two;
   Real sum = real(0.0);  // scaled, so that it is finite if all are
-  for (int j = 0; j < 9; ++j) sum = sum + (abs(ball1[j]) + abs(ball2[j])) * real(0x1p-10);
+  for (int j = 0; j < 9; ++j) sum = sum + (absolute(ball1[j]) + absolute(ball2[j])) * real(0x1p-10);
   Mask fine = both(mask_of(batch.valid), finite(sum));
   fine = both(fine, both(ge(u_b, real(0.0)), le(u_b, real(1.0))));
   const Real d_x = ball2[0] - ball1[0];
@@ -1628,15 +1740,16 @@ CAROM_INLINE Real status_of(const Batch& batch, const Balls& balls, const Contac
   const Real d_z = ball2[2] - ball1[2];
   const Real square = d_x * d_x + d_y * d_y;
   const Mask apart = both(ge(square, real(kSmallestSquare)), le(square, real(kLargestSquare)));
-  const Real speeds = abs(b.v1x) + abs(b.v1y) + abs(b.v1z) + abs(b.o1x) + abs(b.o1y) + abs(b.o1z) +
-                      abs(b.v2x) + abs(b.v2y) + abs(b.v2z) + abs(b.o2x) + abs(b.o2y) + abs(b.o2z);
+  const Real speeds = absolute(b.v1x) + absolute(b.v1y) + absolute(b.v1z) + absolute(b.o1x) +
+                      absolute(b.o1y) + absolute(b.o1z) + absolute(b.v2x) + absolute(b.v2y) +
+                      absolute(b.v2z) + absolute(b.o2x) + absolute(b.o2y) + absolute(b.o2z);
   Mask moderate = lt(speeds, real(kFastest));
   const Mask usable = both(both(fine, apart), moderate);
   const Mask approaches = lt(b.v2y - b.v1y, real(0.0));
   Real status = select(approaches, real(CAROM_OK), real(CAROM_SEPARATING));
   status = select(usable, status, real(CAROM_BAD_INPUT));
   const Mask above = but_not(lt(square, real(kSmallestSquare)), eq(d_z, real(0.0)));
-  const Mask rises = both(apart, gt(d_z * d_z, real(kLevel * kLevel) * square));
+  const Mask rises = both(apart, gt(absolute(d_z), real(kLevel) * (square * per_distance)));
   status = select(both(fine, either(above, rises)), real(CAROM_TILTED), status);
   return status;
 }
@@ -1648,7 +1761,7 @@ CAROM_INLINE Entered enter(const Batch& batch, size_t first, int count) {
   e.per_distance = per_distance_of(e.balls);
   e.b = contact_of(batch, e.balls, e.per_distance);
   e.u_b = friction_of(batch, first, count);
-  e.status = status_of(batch, e.balls, e.b, e.u_b);
+  e.status = status_of(batch, e.balls, e.per_distance, e.b, e.u_b);
   e.good = eq(e.status, real(CAROM_OK));
   return e;
 }
@@ -1717,7 +1830,8 @@ CAROM_INLINE Real shrink_to(Real length, Real most) {
   const Mask longer = gt(length, most);
   if (!any(longer)) return real(1.0);
   CAROM_RARE();
-  return select(longer, most / length, real(1.0));
+  // Not by a select of the same mask, which Clang leaves out: it thinks that no division traps.
+  return select(longer, most / larger(larger(length, most), real(kSlowest)), real(1.0));
 }
 
 CAROM_INLINE Origin origin_of(const Batch& batch, const Contact& b, Real u_b) {
@@ -1731,22 +1845,26 @@ CAROM_INLINE Origin origin_of(const Batch& batch, const Contact& b, Real u_b) {
   Origin o;
   o.level_c_x = c_x;
   o.level_v_n = v_n;
-  o.level = either(le(abs(c_z), real(kNoPress) * abs(c_x)), le(u_b, real(1e-09)));
+  o.level = either(le(absolute(c_z), real(kNoPress) * absolute(c_x)), le(u_b, real(1e-09)));
   o.first = gt(c_z, real(0.0));
   const Real sign = select(o.first, real(-1.0), real(1.0));
-  const Real longest = max(abs(c_x), abs(c_z));
-  const Real shrink = shrink_to(longest, real(kMostTurned) * abs(v_n));
-  const Real fast = max(shrink * longest, abs(v_n));
-  o.scale = power_of_two(max(fast, real(kSlowest)));
+  const Real longest = larger(absolute(c_x), absolute(c_z));
+  const Real shrink = shrink_to(longest, real(kMostTurned) * absolute(v_n));
+  const Real fast = larger(shrink * longest, absolute(v_n));
+  // An approach that is nothing beside the other speeds takes the closed form: scaled by it, they would overflow.
+  const Real least = real(kNoApproach) * (absolute(b.v2x - b.v1x) + absolute(b.v2z - b.v1z));
+  o.level = either(o.level, le(absolute(v_n), least));
+  o.scale = power_of_two(larger(fast, least + real(kSlowest)));
   const Real per_scale = inverse_of_power(o.scale);
   const Real along_x = per_scale * (b.v2x - b.v1x);
   const Real along_y = per_scale * (b.v2y - b.v1y);
   const Real along_z = per_scale * (b.v2z - b.v1z);
   const Real square = along_x * along_x + along_y * along_y + along_z * along_z + real(kTinySquare);
-  o.relative = near_sqrt(min(square, real(kMostSlip * kMostSlip)));
+  o.relative = near_sqrt(smaller(square, real(kMostSlip * kMostSlip)));
   const Real s_x = sign * select(o.first, s1x, s2x);
   const Real s_y = sign * select(o.first, s1y, s2y);
-  const Real s_scale = per_scale * shrink_to(max(abs(s_x), abs(s_y)), real(kMostSlip) * o.scale);
+  const Real s_scale =
+      per_scale * shrink_to(larger(absolute(s_x), absolute(s_y)), real(kMostSlip) * o.scale);
   o.slips = Slips{c_x * (shrink * per_scale), sign * c_z * (shrink * per_scale), s_x * s_scale,
                   s_y * s_scale};
   o.v_n = v_n * per_scale;
@@ -1754,13 +1872,13 @@ CAROM_INLINE Origin origin_of(const Batch& batch, const Contact& b, Real u_b) {
   return o;
 }
 
-// What a block of collisions keeps of what they were before.
+// What is kept of collisions as they were before.
 struct Before {
-  double status[kSlots + kLanes];
-  double per_distance[kSlots + kLanes];
+  double status[kSlots];
+  double per_distance[kSlots];
 };
 
-// Takes up `count` collisions from `first` on, as lanes from `at` on; they are those from `slot` on in their block.
+// Takes up `count` collisions from `first` on, as lanes from `at` on; their slots are those from `slot` on.
 CAROM_INLINE void take(const Batch& batch, size_t first, int count, Taken& taken, int at,
                        Before& before, int slot) {
   const Entered e = enter(batch, first, count);
@@ -1796,8 +1914,8 @@ CAROM_INLINE size_t put_down(const Batch& batch, size_t first, int count, const 
   const Real t_y = at.gain_t_y;
   const Real sign = select(o.first, real(-1.0), real(1.0));
   const Real level_q = real(0.5) * (real(1.0) + real(batch.p.e_b)) * -o.level_v_n;
-  const Real level_x =
-      -copysign(min(u_b * level_q, real(0.14285714285714285) * abs(o.level_c_x)), o.level_c_x);
+  const Real level_x = -copysign(
+      smaller(u_b * level_q, real(0.14285714285714285) * absolute(o.level_c_x)), o.level_c_x);
   const Real none = real(0.0);
   const Mask first_pressed = but_not(o.first, o.level);
   const Mask second_pressed = but_not(inverse(o.first), o.level);
@@ -1820,8 +1938,8 @@ CAROM_INLINE size_t put_down(const Batch& batch, size_t first, int count, const 
   b.o2x = fma(real(2.5), sum_t2y, fma(real(2.5), sum_dz, b.o2x));
   b.o2y = fma(-real(2.5), sum_t2x, b.o2y);
   b.o2z = fma(-real(2.5), sum_dx, b.o2z);
-  b.v1z = b.v1z + max(sum_dz, real(0.0));
-  b.v2z = b.v2z - min(sum_dz, real(0.0));
+  b.v1z = b.v1z + larger(sum_dz, real(0.0));
+  b.v2z = b.v2z - smaller(sum_dz, real(0.0));
   const Mask lost = but_not(lt(q, none), o.level);
   const Real status = select(lost, real(CAROM_BAD_INPUT), load(before.status + slot));
   return leave(batch, first, count, balls, b, status);
@@ -1838,21 +1956,25 @@ using frame::Batch;
 // v_n = 0 and restitution at v_n^2 = e_b^2 (v_n0^2 + 2 J_c) + 2 (J - J_c). A step may pass the first and
 // stops at the second, both found on the step's own interpolant: nothing overshoots.
 
-constexpr double kTolerance = 2.0999999999999997e-07;  // of a step, relative to |v1 - v2|
-constexpr double kTurn = 2.3;        // scale of steps by the turning of the contact slip
-constexpr double kTable = 7.0;       // scale of steps by the distance of s from zero
-constexpr double kPassage = 0.0167;  // error of a passage of s by zero, in tolerances
-constexpr double kDepart = 3.3;      // error of the first step from rest, in tolerances
-constexpr double kTableError = 3.0;  // weight of the errors of table friction
-constexpr double kTail = 6.0;        // weight of the error of the step into sticking
-constexpr int kOrder = 13;           // 64 / order, for roots by `power`
-constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
-constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
-constexpr double kRest = 0.002;      // table slip that counts as zero, in tolerances / friction
-constexpr double kTinySlip = 1e-9;   // table slip with a direction, but of no account
-constexpr double kExtend = 0.05;  // of a step: how far its interpolant may be used beyond its end
-constexpr double kInside = 0.05;  // and before it, for the end of the collision
-constexpr int kMostSteps = 4000;  // per collision; about 3 are usual
+constexpr double kTolerance = 2.1e-07;  // of a step, relative to |v1 - v2|
+constexpr double kTurn = 2.3;           // scale of steps by the turning of the contact slip
+constexpr double kTable = 7.0;          // scale of steps by the distance of s from zero
+constexpr double kPassage = 0.0167;     // error of a passage of s by zero, in tolerances
+constexpr double kDepart = 3.3;         // error of the first step from rest, in tolerances
+constexpr double kTableError = 3.0;     // weight of the errors of table friction
+constexpr double kTail = 6.0;           // weight of the error of the step into sticking
+constexpr double kCounts = 0.072;       // friction on the table that is of account, in tolerances
+constexpr double kGone = 0.0476;        // contact slip that counts as gone, in tolerances
+constexpr double kTailUnseen =
+    1.82;  // of what is left of table friction, that step may miss where s passes zero
+constexpr int kOrder = 13;          // 64 / order, for roots by `power`
+constexpr double kSafe = 0.7;       // errors are aimed at this share of the tolerance
+constexpr double kReach = 0.65;     // share of the way to sticking that a step may take
+constexpr double kRest = 0.002;     // table slip that counts as zero, in tolerances / friction
+constexpr double kTinySlip = 1e-9;  // table slip with a direction, but of no account
+constexpr double kExtend = 0.05;    // of a step: how far its interpolant may be used beyond its end
+constexpr double kInside = 0.05;    // and before it, for the end of the collision
+constexpr int kMostSteps = 4000;    // per collision; about 3 are usual
 constexpr double kHuge = 1e30;
 
 // What a collision starts from. Ball 2 is the pressed one: for a pressed ball 1 the signs of s, c_z,
@@ -1918,6 +2040,14 @@ inline Rates rates_at_rest(const Start& start, const State& at) {
   return rates_at(start, Slips{at.c_x, at.c_z, -d_x, fma(real(2.5), d_z, real(1.0))}, real(1.0));
 }
 
+// 1 / P of docs/step-control.md: how near the table slip passes zero on its way from s0 to s1, of lengths l0
+// and l1. 1 where it passes zero itself.
+CAROM_INLINE Real steepness(Real s0_x, Real s0_y, Real l0, Real s1_x, Real s1_y, Real l1) {
+  const Real way = fma(s1_x - s0_x, s1_x - s0_x, (s1_y - s0_y) * (s1_y - s0_y));
+  const Real sum = l0 + l1;
+  return way * rough_inverse(fma(real(4.0) * sum, sum, real(-3.0) * way) + real(kTinySquare));
+}
+
 CAROM_INLINE Rates select_rates(Mask m, const Rates& yes, const Rates& no) {
   return Rates{select(m, yes.d_x, no.d_x), select(m, yes.d_z, no.d_z), select(m, yes.t_x, no.t_x),
                select(m, yes.t_y, no.t_y)};
@@ -1932,11 +2062,8 @@ CAROM_INLINE Real remaining_impulse(const Start& start, Mask compressing, Real t
                                     Real t_y, Real work) {
   const Real g = real(2.0) + t_y;
   const Real share = select(compressing, start.e_b * start.e_b, real(1.0));
-  // Where there is next to no restitution, its work is nothing beside the rounding of J.
-  const Mask bounces = gt(start.e_b, real(3e-4));
-  const Real twice =
-      select(bounces, fma(real(2.0) * share, work, target) * g - t_y * v * v * share, target * g);
-  return (near_sqrt(max(real(0.5) * twice, real(0.0))) - v) * near_inverse(g);
+  const Real twice = fma(real(2.0) * share, work, target) * g - t_y * v * v * share;
+  return (near_sqrt(larger(real(0.5) * twice, real(0.0))) - v) * near_inverse(g);
 }
 
 // The state from the slips before.
@@ -1973,17 +2100,38 @@ CAROM_INLINE Cubic cubic(Real whole, Real first, Real end) {
 }
 
 struct Interpolant {
-  Cubic near;
+  Cubic lower;
   Real r5;
   CAROM_INLINE Real operator()(Real t) const {
     const Real u = real(1.0) - t;
-    return t * fma(u, fma(t, fma(u, r5, near.r4), near.r3), near.whole);
+    return t * fma(u, fma(t, fma(u, r5, lower.r4), lower.r3), lower.whole);
   }
 };
 
+// Work of table friction from `from` to t, where the approach velocity is v: the integral of v t_y by parts, so that
+// nothing is a small difference of large numbers. Radau's nodes make it exact up to a quartic of impulses.
+template <class Impulse>
+CAROM_INLINE Real work_since(const Impulse& t_y, Real from, Real t, Real v, Real h) {
+  const Real way = t - from;
+  const Real before = t_y(from);
+  const Real moved = t_y(t) - before;
+  const Real first = t_y(fma(real(0.35505102572168222), way, from)) - before;
+  const Real second = t_y(fma(real(0.84494897427831778), way, from)) - before;
+  const Real mean = fma(real(0.51248582618842160), first, real(0.37640306270046728) * second);
+  return fma(moved, fma(real(-0.5), moved, v), real(-2.0) * h * way * mean);
+}
+
+// v^2 at the end where it was zero within the step: of `moved`, the change of v^2 since then, table friction did 2 `since`.
+// That share hardly changes, and so holds where both are rounding.
+CAROM_INLINE Real bounce_square(Real target, Real since, Real moved) {
+  const Real share = real(2.0) * since / (moved + real(kTinySquare));
+  return target / (real(1.0) - smaller(larger(share, real(-0.9)), real(0.6)));
+}
+
 // ---- The step into sticking ----------------------------------------------------------------------
-// From here to c = 0 with c_z = (1 - t)^2 times what it is: then all is smooth. Table impulses, the
-// normal impulse and r = c_x / c_z are stepped; contact impulses follow from the linear relations.
+// From here to c = 0 with c_z = left^2 times what it is, left = 1 - t. Table impulses, the normal impulse
+// and r = c_x / c_z over bent = left^a are stepped, where a is such that r is constant without table
+// friction; contact impulses follow from the linear relations.
 struct Tail {
   Real x, y, q, r;
 };
@@ -2005,10 +2153,11 @@ struct Plan {
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
-                                  const Tail& so_far, double left) {
+                                  const Tail& so_far, double left, double bent) {
   const Real c_z = at.c_z * real(left * left);
   const Real t_tail_x = so_far.x, t_tail_y = so_far.y, dq = so_far.q;
-  const Real d_tail_x = (fma(so_far.r, c_z, t_tail_x) - at.c_x) * real(0.14285714285714285);
+  const Real r = so_far.r * real(bent);
+  const Real d_tail_x = (fma(r, c_z, t_tail_x) - at.c_x) * real(0.14285714285714285);
   const Real d_tail_z = (c_z - at.c_z - real(2.5) * t_tail_y) * real(0.16666666666666666);
   const Real s_x = s_x0 + fma(real(3.5), t_tail_x, -d_tail_x);
   const Real s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
@@ -2019,12 +2168,13 @@ CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0
   const Real root = rsqrt(k_z);
   const Real scale = real(2.0 / left) * root * root;
   const Real pull = start.u_s * c_z * scale;  // negative
-  const Real n_r = fma(so_far.r, so_far.r, real(1.0));
+  const Real n_r = fma(r, r, real(1.0));
   TailRates out;
   out.k.x = pull * u_x;
   out.k.y = pull * u_y;
   out.k.q = -(n_r * rsqrt(n_r)) * c_z * scale * start.per_u_b;
-  out.k.r = -scale * fma(real(7.0) - k_z, so_far.r, real(1.0) * start.u_s * u_x);
+  out.k.r =
+      -scale * start.u_s * fma(real(2.9166666666666665) * u_y, so_far.r, real(1.0 / bent) * u_x);
   out.v = at.v + real(2.0) * dq + t_tail_y;
   return out;
 }
@@ -2040,19 +2190,19 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Mask compressing = lt(at.v, real(0.0));
   const Real r_0 = at.c_x / at.c_z;
   const TailRates w0 =
-      tail_rates(start, at, s_x0, s_y0, Tail{real(0.0), real(0.0), real(0.0), r_0}, 1.0);
+      tail_rates(start, at, s_x0, s_y0, Tail{real(0.0), real(0.0), real(0.0), r_0}, 1.0, 1.0);
   const Real z1_x = real(0.2) * w0.k.x;
   const Real z1_y = real(0.2) * w0.k.y;
   const Real z1_q = real(0.2) * w0.k.q;
   const Real z1_r = r_0 + real(0.2) * w0.k.r;
   const Tail z1 = {z1_x, z1_y, z1_q, z1_r};
-  const TailRates w1 = tail_rates(start, at, s_x0, s_y0, z1, 0.8);
+  const TailRates w1 = tail_rates(start, at, s_x0, s_y0, z1, 0.8, 0.9283177667225558);
   const Real z2_x = fma(real(0.225), w1.k.x, real(0.075) * w0.k.x);
   const Real z2_y = fma(real(0.225), w1.k.y, real(0.075) * w0.k.y);
   const Real z2_q = fma(real(0.225), w1.k.q, real(0.075) * w0.k.q);
   const Real z2_r = r_0 + fma(real(0.225), w1.k.r, real(0.075) * w0.k.r);
   const Tail z2 = {z2_x, z2_y, z2_q, z2_r};
-  const TailRates w2 = tail_rates(start, at, s_x0, s_y0, z2, 0.7);
+  const TailRates w2 = tail_rates(start, at, s_x0, s_y0, z2, 0.7, 0.8879040017426006);
   const Real z3_x = fma(real(3.5555555555555554), w2.k.x,
                         fma(real(-3.7333333333333334), w1.k.x, real(0.9777777777777777) * w0.k.x));
   const Real z3_y = fma(real(3.5555555555555554), w2.k.y,
@@ -2063,7 +2213,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
       r_0 + fma(real(3.5555555555555554), w2.k.r,
                 fma(real(-3.7333333333333334), w1.k.r, real(0.9777777777777777) * w0.k.r));
   const Tail z3 = {z3_x, z3_y, z3_q, z3_r};
-  const TailRates w3 = tail_rates(start, at, s_x0, s_y0, z3, 0.2);
+  const TailRates w3 = tail_rates(start, at, s_x0, s_y0, z3, 0.2, 0.5848035476425733);
   const Real z4_x =
       fma(real(-0.2908093278463649), w3.k.x,
           fma(real(9.822892851699436), w2.k.x,
@@ -2081,7 +2231,8 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
                 fma(real(9.822892851699436), w2.k.r,
                     fma(real(-11.595793324188385), w1.k.r, real(2.9525986892242035) * w0.k.r)));
   const Tail z4 = {z4_x, z4_y, z4_q, z4_r};
-  const TailRates w4 = tail_rates(start, at, s_x0, s_y0, z4, 0.1111111111111111);
+  const TailRates w4 =
+      tail_rates(start, at, s_x0, s_y0, z4, 0.1111111111111111, 0.4807498567691361);
   const Real z6_x =
       fma(real(-0.322376179245283), w4.k.x,
           fma(real(0.6510416666666666), w3.k.x,
@@ -2121,30 +2272,56 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
 
   const Tail& end = z6;
 
+  const Real t_tail_x = end.x, t_tail_y = end.y;
+  const Real d_tail_x = (t_tail_x - at.c_x) * real(0.14285714285714285);
+  const Real d_tail_z = (-at.c_z - real(2.5) * t_tail_y) * real(0.16666666666666666);
+  Real s_x, s_y;  // where it sticks
+  {
+    const Real dq = end.q;
+    s_x = s_x0 + fma(real(3.5), t_tail_x, -d_tail_x);
+    s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
+  }
+
   // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * abs(e_q * end.y / start.v_n);
-  const Real error =
-      real(kTail) *
-      (fma(plan.rest_error, abs(e_q), real(2.5) * max(abs(e_x), abs(e_y))) + work_error);
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
+                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
+                                       work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
-  const Real v_last = sqrt(max(square, real(0.0)));
-  const Real t_tail_x = end.x, t_tail_y = end.y;
-  const Real v_stuck = at.v + real(2.0) * end.q + t_tail_y;
+  const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
-  const Mask late = both(gt(plan.l_c, real(0.1) * start.tolerance),
-                         gt(v_stuck + real(12.0) * abs(e_q) + real(0.03) * end.q, limit));
+
+  // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
+  // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
+  // / u_b, within 2 % (Schwarz, with the weight exp(-m w)), and table friction makes at most `left` on the way.
+  const Real slowest = larger(real(6.0) - real(2.5) * start.u_s, real(0.006));
+  const Real left = start.u_s * absolute(at.c_z) * rough_inverse(slowest);
+  const Real m = real(14.0) * slowest * rough_inverse(real(7.0) + slowest);
+  const Real falls_x = at.c_x * at.c_x * rough_inverse(real(14.0) - m);
+  const Real falls_z = at.c_z * at.c_z * rough_inverse(fma(real(2.0), slowest, -m));
+  const Real falls = near_sqrt((falls_x + falls_z) * rough_inverse(m));
+  const Real latest = fma(real(0.14285714285714285), left, real(1.01) * falls) * start.per_u_b;
+  const Real v_stuck = at.v + real(2.0) * latest + absolute(left);
+  const Mask late = both(gt(plan.l_c, real(kGone) * start.tolerance), gt(v_stuck, limit));
   const Mask sticks = but_not(both(tries, le(error, real(kSafe) * start.tolerance)), late);
   if (!all(sticks)) {
     CAROM_BRANCH();
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
-    const Real cap = plan.l_c * max(real(0.1), min(real(0.5), power(ratio, kOrder)));
+    const Real cap = plan.l_c * larger(real(0.1), smaller(real(0.5), power(ratio, kOrder)));
     at.tail_cap = select(tries, cap, at.tail_cap);
   }
-  const Real d_tail_x = (t_tail_x - at.c_x) * real(0.14285714285714285);
-  const Real d_tail_z = (-at.c_z - real(2.5) * t_tail_y) * real(0.16666666666666666);
   const Real dq = real(0.5) * (v_last - at.v - t_tail_y);
   const Real move_s_x = fma(real(3.5), t_tail_x, -d_tail_x);
   const Real move_s_y = fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
@@ -2163,7 +2340,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
 // ---- The plan of a step --------------------------------------------------------------------------
 
 // `bound` where it is shorter than `h`: what rarely happens is guessed in one lane, not waited for.
-CAROM_INLINE Real shorter(Real h, Real bound) { return min(h, bound); }
+CAROM_INLINE Real shorter(Real h, Real bound) { return smaller(h, bound); }
 
 // What one lane leaves out where it need not be done; several always do it, since a branch that is
 // guessed wrongly costs them more.
@@ -2179,12 +2356,12 @@ CAROM_INLINE void pass_zero(const Start& start, Real turn, Real per_c, Real phi,
   const Real omega = real(21.0) * start.u_b * start.u_b * turn * per_c;
   const Mask departs = both(counts, either(plan.at_rest, ge(along, real(0.0))));
   if (wanted(departs)) {
-    const Real leaving = max(real(0.01) * phi, fma(real(0.0), phi, l_b));
+    const Real leaving = larger(real(0.01) * phi, l_b);
     const Real drift = select(plan.at_rest, l_b, leaving);
     const Real spin = (phi + real(kTinySquare)) * omega;
     const Real first = real(kDepart) * start.tolerance * (drift + phi) * drift * drift;
     const Real least =
-        max(reach, power(first * rough_inverse(fma(spin, spin, real(kTinySquare))), 21));
+        larger(reach, power(first * rough_inverse(fma(spin, spin, real(kTinySquare))), 21));
     plan.h = shorter(plan.h, select(departs, least, plan.h));
   }
   const Mask moves = but_not(counts, plan.at_rest);
@@ -2193,13 +2370,13 @@ CAROM_INLINE void pass_zero(const Start& start, Real turn, Real per_c, Real phi,
     const Mask approaches = gt(closest, real(0.7) * reach);
     const Mask within = but_not(lt(along, real(0.0)), approaches);
     const Real way = select(approaches, closest, reach);
-    const Real curved = max(miss, real(0.05) * omega * per_b * closest * closest);
+    const Real curved = larger(miss, real(0.05) * omega * per_b * closest * closest);
     const Real size = select(within, reach, select(approaches, curved, miss));
     const Real room =
         real(kPassage) * start.tolerance * rough_inverse(fma(phi, size, real(kTinySquare)));
     const Real most = real(20.0);
     const Real table = real(kTable);
-    const Real share = min(table * power(room, kOrder), select(within, real(1.0), most));
+    const Real share = smaller(table * power(room, kOrder), select(within, real(1.0), most));
     Real length = way * share;
     length = select(approaches, length * rough_inverse(real(1.0) + share), length);
     plan.h = shorter(plan.h, select(moves, length, plan.h));
@@ -2233,10 +2410,10 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   const Real per_b = rough_rsqrt(n_b);
   const Real l_b = n_b * per_b;
   const Real along = fma(at.s_x, b_x, at.s_y * b_y);
-  const Real miss =
-      abs(fma(at.s_x, b_y, -at.s_y * b_x)) * per_b * per_b;  // q: closest approach of s to zero
-  const Real reach = l_s * per_b;                            // q: |s| / |b|
-  const Real bend = min(real(1.0), miss * l_b * per_s);
+  const Real miss = absolute(fma(at.s_x, b_y, -at.s_y * b_x)) * per_b *
+                    per_b;         // q: closest approach of s to zero
+  const Real reach = l_s * per_b;  // q: |s| / |b|
+  const Real bend = smaller(real(1.0), miss * l_b * per_s);
 
   // What remains: of the collision, of the phase, and until the contact sticks.
   plan.goes_on = gt(at.rest, real(0x1p-23) * at.q);  // less is rounding, and might never end
@@ -2246,30 +2423,30 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
       n_c * l_c * start.per_u_b *
       rough_inverse(fma(real(7.0) * at.c_x, at.c_x, fma(k_z * at.c_z, at.c_z, real(kTinySquare))));
   const Real left =
-      real(0.4166666666666667) * start.u_s * abs(at.c_z);  // what table friction can still do
+      real(0.4166666666666667) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
   plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
-  const Mask matters = both(plan.sticks, gt(left, real(0.1) * start.tolerance));
+  const Mask matters = both(plan.sticks, gt(left, real(kCounts) * start.tolerance));
   if (wanted(matters)) {
     const Real room = power(start.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
     const Mask away = le(l_stick, real(0.6) * reach * room);
     const Mask towards = ge(-along, real(1.5) * l_stick * n_b);
-    const Mask clear =
+    const Mask settled =
         either(both(lt(along, real(0.0)), towards), both(ge(along, real(0.0)), away));
-    plan.sticks = but_not(plan.sticks, but_not(matters, clear));
+    plan.sticks = but_not(plan.sticks, but_not(matters, settled));
   }
 
   // Length of the step: by the turning of the contact slip, and by the passage of s by zero.
   const Real turn =
-      fma(real(0.14285714285714285) * abs(at.c_x * at.c_z), per_c * per_c,
-          fma(real(0.35714285714285715) * start.u_s * abs(at.c_z), per_c, real(kTinySquare)));
+      fma(real(0.14285714285714285) * absolute(at.c_x * at.c_z), per_c * per_c,
+          fma(real(0.35714285714285715) * start.u_s * absolute(at.c_z), per_c, real(kTinySquare)));
   plan.step_c =
-      min(real(kReach) * l_stick,
-          real(kTurn / 7.0) * l_c * start.per_u_b *
-              power(real(kSafe * 7.0) * start.tolerance * per_c * rough_inverse(turn), kOrder));
+      smaller(real(kReach) * l_stick,
+              real(kTurn / 7.0) * l_c * start.per_u_b *
+                  power(real(kSafe * 7.0) * start.tolerance * per_c * rough_inverse(turn), kOrder));
   plan.h = shorter(at.rest, plan.step_c);
-  const Mask counts = gt(phi * plan.h, real(0.3) * start.tolerance);
+  const Mask counts = gt(phi * plan.h, real(kCounts) * start.tolerance);
   if (wanted(counts)) {
     pass_zero(start, turn, per_c, phi, l_b, per_b, along, miss, reach, counts, plan);
   }
@@ -2278,6 +2455,7 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   if (wanted(halves)) {
     plan.h = select(halves, real(0.5) * at.rest, plan.h);
   }
+  plan.h = select(plan.goes_on, plan.h, real(1.0));  // those that are over make no step, nor trap
   return plan;
 }
 
@@ -2297,9 +2475,9 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Real sum1_d_z = real(0.2) * k0.d_z;
   const Real sum1_t_x = real(0.2) * k0.t_x;
   const Real sum1_t_y = real(0.2) * k0.t_y;
-  const Real c_x1 = fma(real(-1.0), sum1_t_x, fma(real(7.0), sum1_d_x, at.c_x));
+  const Real c_x1 = fma(real(7.0), sum1_d_x, at.c_x) - sum1_t_x;
   const Real c_z1 = fma(real(2.5), sum1_t_y, fma(real(6.0), sum1_d_z, at.c_z));
-  const Real s_x1 = fma(real(3.5), sum1_t_x, fma(real(-1.0), sum1_d_x, at.s_x));
+  const Real s_x1 = fma(real(3.5), sum1_t_x, at.s_x - sum1_d_x);
   const Real s_y1 = fma(real(3.5), sum1_t_y, fma(real(2.5), sum1_d_z, fma(real(0.2), h, at.s_y)));
   const Slips y1 = {c_x1, c_z1, s_x1, s_y1};
   const Rates k1 = rates_at(start, y1, h);
@@ -2308,9 +2486,9 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Real sum2_d_z = fma(real(0.225), k1.d_z, real(0.075) * k0.d_z);
   const Real sum2_t_x = fma(real(0.225), k1.t_x, real(0.075) * k0.t_x);
   const Real sum2_t_y = fma(real(0.225), k1.t_y, real(0.075) * k0.t_y);
-  const Real c_x2 = fma(real(-1.0), sum2_t_x, fma(real(7.0), sum2_d_x, at.c_x));
+  const Real c_x2 = fma(real(7.0), sum2_d_x, at.c_x) - sum2_t_x;
   const Real c_z2 = fma(real(2.5), sum2_t_y, fma(real(6.0), sum2_d_z, at.c_z));
-  const Real s_x2 = fma(real(3.5), sum2_t_x, fma(real(-1.0), sum2_d_x, at.s_x));
+  const Real s_x2 = fma(real(3.5), sum2_t_x, at.s_x - sum2_d_x);
   const Real s_y2 = fma(real(3.5), sum2_t_y, fma(real(2.5), sum2_d_z, fma(real(0.3), h, at.s_y)));
   const Slips y2 = {c_x2, c_z2, s_x2, s_y2};
   const Rates k2 = rates_at(start, y2, h);
@@ -2329,9 +2507,9 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Real sum3_t_y =
       fma(real(3.5555555555555554), k2.t_y,
           fma(real(-3.7333333333333334), k1.t_y, real(0.9777777777777777) * k0.t_y));
-  const Real c_x3 = fma(real(-1.0), sum3_t_x, fma(real(7.0), sum3_d_x, at.c_x));
+  const Real c_x3 = fma(real(7.0), sum3_d_x, at.c_x) - sum3_t_x;
   const Real c_z3 = fma(real(2.5), sum3_t_y, fma(real(6.0), sum3_d_z, at.c_z));
-  const Real s_x3 = fma(real(3.5), sum3_t_x, fma(real(-1.0), sum3_d_x, at.s_x));
+  const Real s_x3 = fma(real(3.5), sum3_t_x, at.s_x - sum3_d_x);
   const Real s_y3 = fma(real(3.5), sum3_t_y, fma(real(2.5), sum3_d_z, fma(real(0.8), h, at.s_y)));
   const Slips y3 = {c_x3, c_z3, s_x3, s_y3};
   const Rates k3 = rates_at(start, y3, h);
@@ -2354,9 +2532,9 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       fma(real(-0.2908093278463649), k3.t_y,
           fma(real(9.822892851699436), k2.t_y,
               fma(real(-11.595793324188385), k1.t_y, real(2.9525986892242035) * k0.t_y)));
-  const Real c_x4 = fma(real(-1.0), sum4_t_x, fma(real(7.0), sum4_d_x, at.c_x));
+  const Real c_x4 = fma(real(7.0), sum4_d_x, at.c_x) - sum4_t_x;
   const Real c_z4 = fma(real(2.5), sum4_t_y, fma(real(6.0), sum4_d_z, at.c_z));
-  const Real s_x4 = fma(real(3.5), sum4_t_x, fma(real(-1.0), sum4_d_x, at.s_x));
+  const Real s_x4 = fma(real(3.5), sum4_t_x, at.s_x - sum4_d_x);
   const Real s_y4 =
       fma(real(3.5), sum4_t_y, fma(real(2.5), sum4_d_z, fma(real(0.8888888888888888), h, at.s_y)));
   const Slips y4 = {c_x4, c_z4, s_x4, s_y4};
@@ -2384,9 +2562,9 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   sum5_t_y = fma(real(8.906422717743473), k2.t_y, sum5_t_y);
   sum5_t_y = fma(real(0.2784090909090909), k3.t_y, sum5_t_y);
   sum5_t_y = fma(real(-0.2735313036020583), k4.t_y, sum5_t_y);
-  const Real c_x5 = fma(real(-1.0), sum5_t_x, fma(real(7.0), sum5_d_x, at.c_x));
+  const Real c_x5 = fma(real(7.0), sum5_d_x, at.c_x) - sum5_t_x;
   const Real c_z5 = fma(real(2.5), sum5_t_y, fma(real(6.0), sum5_d_z, at.c_z));
-  const Real s_x5 = fma(real(3.5), sum5_t_x, fma(real(-1.0), sum5_d_x, at.s_x));
+  const Real s_x5 = fma(real(3.5), sum5_t_x, at.s_x - sum5_d_x);
   const Real s_y5 = fma(real(3.5), sum5_t_y, fma(real(2.5), sum5_d_z, at.s_y + h));
   const Slips y5 = {c_x5, c_z5, s_x5, s_y5};
   const Rates k5 = rates_at(start, y5, h);
@@ -2413,9 +2591,9 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   sum6_t_y = fma(real(0.6510416666666666), k3.t_y, sum6_t_y);
   sum6_t_y = fma(real(-0.322376179245283), k4.t_y, sum6_t_y);
   sum6_t_y = fma(real(0.13095238095238096), k5.t_y, sum6_t_y);
-  const Real c_x6 = fma(real(-1.0), sum6_t_x, fma(real(7.0), sum6_d_x, at.c_x));
+  const Real c_x6 = fma(real(7.0), sum6_d_x, at.c_x) - sum6_t_x;
   const Real c_z6 = fma(real(2.5), sum6_t_y, fma(real(6.0), sum6_d_z, at.c_z));
-  const Real s_x6 = fma(real(3.5), sum6_t_x, fma(real(-1.0), sum6_d_x, at.s_x));
+  const Real s_x6 = fma(real(3.5), sum6_t_x, at.s_x - sum6_d_x);
   const Real s_y6 = fma(real(3.5), sum6_t_y, fma(real(2.5), sum6_d_z, at.s_y + h));
   const Slips y6 = {c_x6, c_z6, s_x6, s_y6};
   const Rates k6 = rates_at(start, y6, h);
@@ -2448,12 +2626,13 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   e_t_y = fma(real(0.0419047619047619), k5.t_y, e_t_y);
   e_t_y = fma(real(-0.025), k6.t_y, e_t_y);
 
-  const Real error =
-      real(2.5) * fma(real(kTableError), max(abs(e_t_x), abs(e_t_y)), max(abs(e_d_x), abs(e_d_z)));
+  const Real error = real(2.5) * fma(real(kTableError), larger(absolute(e_t_x), absolute(e_t_y)),
+                                     larger(absolute(e_d_x), absolute(e_d_z)));
   Mask keeps = both(tries, le(error, real(kSafe) * start.tolerance));
   // Done for all lanes, as what is beyond: a branch that is guessed wrongly costs more.
   const Real ratio = real(kSafe) * start.tolerance * rough_inverse(error + real(kTinySquare));
-  const Real cap = h * max(real(0.1), real(0.9) * power(max(ratio, real(kTinySquare)), kOrder));
+  const Real cap =
+      h * larger(real(0.1), real(0.9) * power(larger(ratio, real(kTinySquare)), kOrder));
   at.h_cap = select(but_not(tries, keeps), cap, at.h_cap);
   Real j_sum = real(0.09114583333333333) * j0;
   j_sum = fma(real(0.44923629829290207), j2, j_sum);
@@ -2468,12 +2647,12 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   const Mask compressing = lt(v0, real(0.0));
   const Real beyond = remaining_impulse(start, compressing, at.target, v6, k_end.t_y, at.work + dj);
   Mask lands = both(keeps, le(beyond, real(kExtend) * h));
-  const Mask far = both(lands, lt(beyond, real(-kInside) * h));
-  at.h_cap = select(far, h + beyond, at.h_cap);
-  keeps = but_not(keeps, far);
-  lands = but_not(lands, far);
-  const Mask crosses = both(both(keeps, compressing), either(ge(v6, real(0.0)), lands));
-  Real work = at.work;
+  const Mask distant = both(lands, lt(beyond, real(-kInside) * h));
+  at.h_cap = select(distant, h + beyond, at.h_cap);
+  keeps = but_not(keeps, distant);
+  lands = but_not(lands, distant);
+  Mask crosses = both(both(keeps, compressing), either(ge(v6, real(0.0)), lands));
+  Real work = at.work + dj;
   Real rest = beyond;
   Real end_c_x = y6.c_x;
   Real end_c_z = y6.c_z;
@@ -2502,39 +2681,57 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     const Interpolant t_y = Interpolant{cubic(sum6_t_y, k0.t_y, k6.t_y), r0_t_y};
     const Real sum6_j = j_sum;
     const Interpolant j = Interpolant{cubic(sum6_j, j0, j6), r0_j};
+    Real base =
+        real(0.0);  // of the work since the end of compression, or since the start of the step
+    Real base_work = at.work;
+    Real base_square = real(0.0);  // of v there
     if (any(crosses)) {
       CAROM_BRANCH();
-      const Real per_dv = per_h * near_inverse((v6 - v0) * per_h);
+      // The others trap nothing.
+      const Real per_dv =
+          where(crosses, per_h * near_inverse(select(crosses, (v6 - v0) * per_h, real(1.0))));
       Real t = -v0 * per_dv;
       for (int i = 0; i < 1; ++i) {
         const Real off = fma(real(2.0) * h, t, v0) + t_y(t);
         t = t - off * per_dv;
       }
-      const Real at_turn = at.work + j(t);
+      // What v still is there changes the work by its square, over the rate at which v grows.
+      const Real v_base = fma(real(2.0) * h, t, v0) + t_y(t);
+      const Real t_y_end = k_end.t_y;
+      const Real slack = real(0.5) * v_base * v_base * t_y_end * near_inverse(real(2.0) + t_y_end);
+      const Real at_turn = at.work + j(t) - slack;
       const Real target = start.e_b * start.e_b * fma(real(2.0), at_turn, start.v_n * start.v_n);
+      base = select(crosses, t, base);
+      const Real turned = slack + (work_since(t_y, base, real(1.0), v6, h));
+      const Real left =
+          remaining_impulse(start, but_not(compressing, crosses), target, v6, t_y_end, turned);
+      // Now it is known better whether the end is in this step.
+      lands = either(but_not(lands, crosses), both(crosses, le(left, real(kExtend) * h)));
+      crosses = both(crosses, either(ge(v6, real(0.0)), lands));
       at.target = select(crosses, target, at.target);
-      work = select(crosses, at.work - at_turn, work);
-      rest = select(crosses,
-                    remaining_impulse(start, but_not(compressing, crosses), at.target, v6,
-                                      k_end.t_y, work + dj),
-                    rest);
+      base_work = select(crosses, slack, base_work);
+      base_square = v_base * v_base;
+      work = select(crosses, turned, work);
+      rest = select(crosses, left, rest);
     }
     if (any(lands)) {
       CAROM_BRANCH();
       Real t = fma(rest, per_h, real(1.0));
       // Where friction changes v_n by as much as is left of it, the end is more than a guess away.
-      const Mask slow = both(lands, lt(v6, real(20.0) * abs(rest)));
+      const Mask slow = both(lands, lt(v6, real(20.0) * absolute(rest)));
       if (any(slow)) {
         CAROM_RARE();
-        const Mask bounces = gt(start.e_b, real(3e-4));
         for (int i = 0; i < 2; ++i) {
-          const Real square = select(bounces, fma(real(2.0), work + j(t), at.target),
-                                     at.target * fma(real(0.5), k_end.t_y, real(1.0)));
-          const Real speed = near_sqrt(max(square, real(0.0)));
-          const Real off = fma(real(2.0) * h, t, v0) + t_y(t) - speed;
-          const Real near =
-              min(max(t - real(0.5) * off * per_h, real(0.0)), real(1.0 + 2.0 * kExtend));
-          t = select(slow, near, t);  // others would else depend on whether a neighbour is slow
+          const Real v = fma(real(2.0) * h, t, v0) + t_y(t);
+          const Real since = work_since(t_y, base, t, v, h);
+          const Real square =
+              select(crosses, bounce_square(at.target, since, fma(v, v, -base_square)),
+                     fma(real(2.0), base_work + since, at.target));
+          const Real speed = near_sqrt(larger(square, real(0.0)));
+          const Real off = v - speed;
+          const Real nearby =
+              smaller(larger(t - real(0.5) * off * per_h, real(0.0)), real(1.0 + 2.0 * kExtend));
+          t = select(slow, nearby, t);  // others would else depend on whether a neighbour is slow
         }
       }
       const Real dq = h * t;
@@ -2542,7 +2739,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       const Real part_d_z = cubic(sum6_d_z, k0.d_z, k6.d_z)(t);
       const Real part_t_x = cubic(sum6_t_x, k0.t_x, k6.t_x)(t);
       const Real part_t_y = t_y(t);
-      const Real part_c_x = fma(real(-1.0), part_t_x, real(7.0) * part_d_x);
+      const Real part_c_x = real(7.0) * part_d_x - part_t_x;
       const Real part_c_z = fma(real(2.5), part_t_y, real(6.0) * part_d_z);
       const Real part_s_x = fma(real(3.5), part_t_x, -part_d_x);
       const Real part_s_y = fma(real(3.5), part_t_y, fma(real(2.5), part_d_z, dq));
@@ -2559,7 +2756,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     }
   }
   at.rest = select(keeps, rest, at.rest);
-  at.work = select(keeps, work + dj, at.work);
+  at.work = select(keeps, work, at.work);
   at.v = select(keeps, v6, at.v);
   at.q = select(keeps, at.q + dq_end, at.q);
   at.gain_d_x = select(keeps, at.gain_d_x + move_d_x, at.gain_d_x);
@@ -2579,13 +2776,13 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
 // ---- Lanes in flight ----------------------------------------------------------------------------
 
 constexpr int kTogether = kLanes;  // of a wave's steps, that many lanes at once
-constexpr int kWave = 8;           // vectors under way: one's latency is filled by the others
+constexpr int kWave = 6;           // vectors under way: one's latency is filled by the others
 
 // A collision between two steps.
 struct Flight {
   Start start;
   State at;
-  Real slot;   // its place in the block; -1: none
+  Real slot;   // where its results go
   Real turns;  // steps made
 };
 
@@ -2635,6 +2832,13 @@ CAROM_INLINE void push(Flights& queue, const Flight& waiting, Mask m) {
   append(&queue.row[25][at], waiting.slot, m);
   append(&queue.row[26][at], waiting.turns, m);
   queue.count = at + count(m);
+}
+
+// Makes the lanes of a vector behind its first `count` copies of the last: they do nothing that it does not.
+CAROM_NOINLINE void fill(Flights& queue, int at, int count) {
+  for (auto& row : queue.row) {
+    for (int i = count; i < kLanes; ++i) row[at + i] = row[at + count - 1];
+  }
 }
 
 // A vector of them, from `at` on.
@@ -2704,6 +2908,13 @@ CAROM_INLINE void push(Asides& queue, const Aside& waiting, Mask m) {
   queue.count = at + count(m);
 }
 
+// Makes the lanes of a vector behind its first `count` copies of the last: they do nothing that it does not.
+CAROM_NOINLINE void fill(Asides& queue, int at, int count) {
+  for (auto& row : queue.row) {
+    for (int i = count; i < kLanes; ++i) row[at + i] = row[at + count - 1];
+  }
+}
+
 // A vector of them, from `at` on.
 CAROM_INLINE void read(const Asides& queue, int at, Aside& waiting) {
   waiting.flight.start.v_n = load(&queue.row[0][at]);
@@ -2738,7 +2949,18 @@ CAROM_INLINE void read(const Asides& queue, int at, Aside& waiting) {
   waiting.at_rest = load(&queue.row[29][at]);
 }
 
-CAROM_INLINE void finish(Results& results, const Flight& flight, Mask done) {
+// Those that have ended since their results were placed, in the order in which they did.
+struct Ended {
+  Number gain_d_x[(kWave + 2) * kLanes];
+  Number gain_d_z[(kWave + 2) * kLanes];
+  Number gain_t_x[(kWave + 2) * kLanes];
+  Number gain_t_y[(kWave + 2) * kLanes];
+  Number q[(kWave + 2) * kLanes];
+  Number slot[(kWave + 2) * kLanes];
+  int count;
+};
+
+CAROM_INLINE void finish(Ended& results, const Flight& flight, Mask done) {
   const int n = results.count;
   append(results.gain_d_x + n, flight.at.gain_d_x, done);
   append(results.gain_d_z + n, flight.at.gain_d_z, done);
@@ -2749,13 +2971,31 @@ CAROM_INLINE void finish(Results& results, const Flight& flight, Mask done) {
   results.count += count(done);
 }
 
-// All that is under way in a block.
+// Flights between waves of steps: those of this one, and of the next.
+struct Waves {
+  Flights flights[2];
+};
+
+// What leaves a wave otherwise.
 struct Works {
-  Flights flights[2];  // those of this wave of steps, and of the next
   Asides sticking;
-  Results results;  // in the order in which they end
-  Results placed;   // by place in the block
+  Ended ended;
+};
+
+// A vector of collisions as they came.
+struct Group {
+  size_t first;  // in the batch
+  int count;
+  int left;  // of them under way
+};
+
+// What becomes of collisions, by slots: a group is put down when all of it is over, and makes room.
+struct Places {
+  Results results;
   frame::Before before;
+  Group groups[kGroups];
+  int free[kGroups], over[kGroups];  // groups by their numbers
+  int count_free, count_over;
 };
 
 // A vector of them, and what its lanes `active` do next.
@@ -2766,7 +3006,8 @@ struct Turn {
 };
 
 // Takes up `count` lanes of a queue, from `at` on.
-CAROM_INLINE void begin_turn(const Flights& queue, int at, int count, Real e_b, Turn& turn) {
+CAROM_INLINE void begin_turn(Flights& queue, int at, int count, Real e_b, Turn& turn) {
+  if (count < kLanes) fill(queue, at, count);
   read(queue, at, turn.flight);
   turn.flight.start.e_b = e_b;
   turn.active = count == kLanes ? mask_of(true) : first_lanes(count);
@@ -2800,12 +3041,12 @@ CAROM_INLINE void end_turn(Works& works, Turn& turn, Flights& later) {
     flight.at.q = select(lost, real(-1.0), flight.at.q);
     done = either(done, lost);
   }
-  finish(works.results, flight, done);
+  finish(works.ended, flight, done);
   push(later, flight, but_not(steps, done));
 }
 
 // A step of `count` lanes of `now`, from `at` on.
-CAROM_INLINE void step_lanes(Works& works, const Flights& now, int at, int count, Real e_b,
+CAROM_INLINE void step_lanes(Works& works, Flights& now, int at, int count, Real e_b,
                              Flights& later) {
   Turn turn;
   begin_turn(now, at, count, e_b, turn);
@@ -2818,6 +3059,7 @@ CAROM_INLINE void stick_lanes(Works& works, Flights& next, Real e_b) {
   Asides& waiting = works.sticking;
   const int left = waiting.count > kLanes ? waiting.count - kLanes : 0;
   Aside aside{};
+  if (waiting.count - left < kLanes) fill(waiting, left, waiting.count - left);
   read(waiting, left, aside);
   aside.flight.start.e_b = e_b;
   const Mask active = first_lanes(waiting.count - left);
@@ -2827,18 +3069,22 @@ CAROM_INLINE void stick_lanes(Works& works, Flights& next, Real e_b) {
   plan.rest_error = aside.rest_error;
   plan.at_rest = gt(aside.at_rest, real(0.0));
   const Mask done = finish_sticking(aside.flight.start, aside.flight.at, plan, active);
-  finish(works.results, aside.flight, done);
+  finish(works.ended, aside.flight, done);
   push(next, aside.flight, but_not(active, done));
 }
 
 // Takes up a vector of collisions: those of its lanes that have steps to make join the flights.
-CAROM_INLINE void take_up(const Batch& batch, size_t first, int count, int slot, Works& works,
+CAROM_INLINE void take_up(const Batch& batch, size_t first, int count, Places& places,
                           Flights& flights) {
-  Taken taken{};
-  for (int i = 0; i < count; i += frame::kPart) {
-    const int some = count - i < frame::kPart ? count - i : frame::kPart;
+  const int number = places.free[--places.count_free];
+  const int slot = number * kLanes;
+  Taken taken;
+  for (int i = 0; i < kLanes; i += frame::kPart) {
+    const int left = count > i ? count - i : 0;
+    const int some = left < frame::kPart ? left : frame::kPart;
     CAROM_REGION_BEGIN("frame");
-    frame::take(batch, first + static_cast<size_t>(i), some, taken, i, works.before, slot + i);
+    frame::take(batch, first + static_cast<size_t>(some > 0 ? i : 0), some, taken, i, places.before,
+                slot + i);
     CAROM_REGION_END("frame");
   }
   Flight flight{};
@@ -2847,32 +3093,77 @@ CAROM_INLINE void take_up(const Batch& batch, size_t first, int count, int slot,
   flight.start.u_s = load(taken.u_s);
   flight.start.e_b = real(batch.p.e_b);
   flight.start.tolerance = real(kTolerance) * load(taken.relative);
-  flight.start.per_u_b = real(1.0) / flight.start.u_b;
+  flight.start.per_u_b =
+      real(1.0) / larger(flight.start.u_b, real(1e-09));  // who does not go may have none
   flight.at = begin(flight.start,
                     Slips{load(taken.c_x), load(taken.c_z), load(taken.s_x), load(taken.s_y)});
   flight.slot = real(slot) + lane_numbers();
-  push(flights, flight, gt(load(taken.goes), real(0.0)));
+  const Mask goes = gt(load(taken.goes), real(0.0));
+  push(flights, flight, goes);
+  store(places.results.gain_d_x + slot, real(0.0));
+  store(places.results.gain_d_z + slot, real(0.0));
+  store(places.results.gain_t_x + slot, real(0.0));
+  store(places.results.gain_t_y + slot, real(0.0));
+  store(places.results.q + slot, real(0.0));
+  places.groups[number] = Group{first, count, lanes::count(goes)};
+  if (none(goes)) places.over[places.count_over++] = number;
 }
 
-// Makes all steps of `count` collisions from `first` on, in waves: a step of each flight, and new ones in
-// the place of those that ended. Only whole vectors fly, until nothing new is left.
-CAROM_INLINE void work_through(const Batch& batch, size_t first, int count, Works& works) {
+// Results to their slots.
+CAROM_INLINE void place(Ended& ended, Places& places) {
+  for (int i = 0; i < ended.count; ++i) {
+    const int slot = static_cast<int>(ended.slot[i]);
+    places.results.gain_d_x[slot] = ended.gain_d_x[i];
+    places.results.gain_d_z[slot] = ended.gain_d_z[i];
+    places.results.gain_t_x[slot] = ended.gain_t_x[i];
+    places.results.gain_t_y[slot] = ended.gain_t_y[i];
+    places.results.q[slot] = ended.q[i];
+    const int number = slot / kLanes;
+    if (--places.groups[number].left == 0) places.over[places.count_over++] = number;
+  }
+  ended.count = 0;
+}
+
+// Writes the groups that are over; how many collisions were good.
+CAROM_NOINLINE size_t put_down(const Batch batch, Places& places) {
+  size_t good = 0;
+  for (int i = 0; i < places.count_over; ++i) {
+    const int number = places.over[i];
+    const Group& group = places.groups[number];
+    for (int at = 0; at < group.count; at += frame::kPart) {
+      const int some = group.count - at < frame::kPart ? group.count - at : frame::kPart;
+      CAROM_REGION_BEGIN("leave");
+      good += frame::put_down(batch, group.first + static_cast<size_t>(at), some, places.results,
+                              number * kLanes + at, places.before);
+      CAROM_REGION_END("leave");
+    }
+    places.free[places.count_free++] = number;
+  }
+  places.count_over = 0;
+  return good;
+}
+
+// Makes all steps of n collisions, in waves: a step of each flight, and new ones in the place of those that
+// ended. Only whole vectors fly, until nothing new is left. How many were good.
+CAROM_NOINLINE size_t work_through(const Batch batch, size_t n, Waves& waves, Places& places) {
+  alignas(64) Works works;
+  works.sticking.count = works.ended.count = 0;
   const Real e_b = real(batch.p.e_b);
-  int next = 0;
+  size_t next = 0, good = 0;
   for (int wave = 0;; wave = 1 - wave) {
-    Flights& now = works.flights[wave];
-    Flights& later = works.flights[1 - wave];
-    while (now.count <= (kWave - 1) * kLanes && next < count) {
-      const int some = count - next < kLanes ? count - next : kLanes;
+    Flights& now = waves.flights[wave];
+    Flights& later = waves.flights[1 - wave];
+    while (now.count <= (kWave - 1) * kLanes && next < n && places.count_free > 0) {
+      const int some = n - next < kLanes ? static_cast<int>(n - next) : kLanes;
       CAROM_REGION_BEGIN("take");
-      take_up(batch, first + static_cast<size_t>(next), some, next, works, now);
+      take_up(batch, next, some, places, now);
       CAROM_REGION_END("take");
-      next += some;
+      next += static_cast<size_t>(some);
     }
     later.count = 0;
-    const int whole = next < count ? now.count - now.count % kTogether : now.count;
-    if (now.count == 0) {
-      if (works.sticking.count == 0) return;
+    const bool waits = next < n && now.count >= kTogether;
+    const int whole = waits ? now.count - now.count % kTogether : now.count;
+    if (works.sticking.count > 0 && (now.count == 0 || (next < n && places.count_free == 0))) {
       stick_lanes(works, later, e_b);
     }
     int at = 0;
@@ -2888,49 +3179,29 @@ CAROM_INLINE void work_through(const Batch& batch, size_t first, int count, Work
       push(later, flight, first_lanes(now.count - at));
     }
     now.count = 0;
+    if (places.count_over > 0)
+      good += put_down(batch, places);  // of the last wave: what it reads has been written
+    place(works.ended, places);
+    if (next == n && later.count == 0 && works.sticking.count == 0 && places.count_over == 0)
+      return good;
   }
 }
 
-// Up to kSlots collisions from `first` on; how many were good.
-inline size_t collide_block(const Batch& batch, size_t first, int count, Works& works) {
-  works.results.count = 0;
-  work_through(batch, first, count, works);
-  Results& by_place = works.placed;
-  std::memset(by_place.gain_d_x, 0, static_cast<size_t>(count + kLanes) * sizeof(Number));
-  std::memset(by_place.gain_d_z, 0, static_cast<size_t>(count + kLanes) * sizeof(Number));
-  std::memset(by_place.gain_t_x, 0, static_cast<size_t>(count + kLanes) * sizeof(Number));
-  std::memset(by_place.gain_t_y, 0, static_cast<size_t>(count + kLanes) * sizeof(Number));
-  std::memset(by_place.q, 0, static_cast<size_t>(count + kLanes) * sizeof(Number));
-  for (int i = 0; i < works.results.count; ++i) {
-    const int slot = static_cast<int>(works.results.slot[i]);
-    by_place.gain_d_x[slot] = works.results.gain_d_x[i];
-    by_place.gain_d_z[slot] = works.results.gain_d_z[i];
-    by_place.gain_t_x[slot] = works.results.gain_t_x[i];
-    by_place.gain_t_y[slot] = works.results.gain_t_y[i];
-    by_place.q[slot] = works.results.q[i];
-  }
-  size_t good = 0;
-  for (int slot = 0; slot < count; slot += frame::kPart) {
-    const int some = count - slot < frame::kPart ? count - slot : frame::kPart;
-    CAROM_REGION_BEGIN("leave");
-    good += frame::put_down(batch, first + static_cast<size_t>(slot), some, by_place, slot,
-                            works.before);
-    CAROM_REGION_END("leave");
-  }
-  return good;
+// The same with what is under way between steps. What collisions become is kept by the caller: no function takes
+// much of the stack.
+CAROM_NOINLINE size_t fly(const Batch& batch, size_t n, Places& places) {
+  alignas(64) Waves waves;
+  waves.flights[0].count = waves.flights[1].count = 0;
+  return work_through(batch, n, waves, places);
 }
 
 // n collisions; how many were good.
 inline size_t collide_all(const Batch& batch, size_t n) {
-  alignas(64) Works works;
-  std::memset(&works.flights, 0, sizeof works.flights);  // lanes that are idle compute as well
-  std::memset(&works.sticking, 0, sizeof works.sticking);
-  size_t good = 0;
-  for (size_t i = 0; i < n; i += kSlots) {
-    const size_t left = n - i;
-    good += collide_block(batch, i, static_cast<int>(left < kSlots ? left : kSlots), works);
-  }
-  return good;
+  alignas(64) Places places;
+  places.count_over = 0;
+  places.count_free = kGroups;
+  for (int i = 0; i < kGroups; ++i) places.free[i] = i;
+  return n > 0 ? fly(batch, n, places) : 0;
 }
 
 }  // namespace lanes
