@@ -388,10 +388,11 @@ def test_bench_json_is_as_documented(tmp_path) -> None:
     assert document["schema"] == 1
     assert {"cpu", "target", "compilers"} <= set(document["host"])
     chosen_in_lanes = [k["width"] > 1 for k in document["kernels"] if k["selected"]]
-    assert sorted(chosen_in_lanes) == [False, True], "one for single calls, one for batches"
+    each = "of fixed steps and of 1e-6 one for single calls and one for batches"
+    assert sorted(chosen_in_lanes) == [False, False, True, True], each
     types = {
         **dict.fromkeys(("name", "target", "scene", "model", "stepper", "compiler", "flags"), str),
-        **dict.fromkeys(("steps", "width"), int),
+        "width": int,
         **dict.fromkeys(("ns_per_collision", "ratio_to_baseline", "max_rel_error"), float),
         "ratio_ci": list,
         "options": dict,
@@ -403,7 +404,9 @@ def test_bench_json_is_as_documented(tmp_path) -> None:
             assert isinstance(kernel[key], kind), (key, kernel[key])
         low, high = kernel["ratio_ci"]
         assert low <= kernel["ratio_to_baseline"] <= high
-        assert kernel["budget"] is None and kernel["error_against"] == "euler_n1000"
+        exact = kernel["budget"] is not None
+        assert isinstance(kernel["steps"], int) is not exact
+        assert kernel["error_against"] == ("exact" if exact else "euler_n1000")
 
 
 @pytest.mark.parametrize("target", targets())
