@@ -141,7 +141,7 @@ def judged(cpu: str, contest: str, kernels: Sequence[Recorded]) -> list[tuple[fl
 def short() -> list[object]:
     """The contests of every check; of exact batches the model is known to miss the bar."""
     missed = "the model takes exact lanes of s2 for faster than i1: 1.41 on zen3, 1.22 on zen4"
-    marks = {"e1m06/batch": [pytest.mark.xfail(reason=missed, strict=False)]}
+    marks = {"e1m06/batch": [pytest.mark.xfail(reason=missed, strict=True)]}
     return [
         pytest.param(cpu, contest, marks=marks.get("/".join(contest.split("/")[2:]), []))
         for cpu, contest in contests(all_of_them=False)
