@@ -16,9 +16,9 @@ with atheris.instrument_imports(include=["generator", "tomllib", "csv"]):
     from generator.choice.selection import FILE, read_selection
     from generator.cli.case_table import read_case_table
     from generator.errors import InputError
-    from generator.scenes.scene import parse_scene
+    from generator.impacts.ball_ball.scene import parse_scene
+    from generator.registry.names import name_of, variant_of
     from generator.targets.target import load_rows
-    from generator.variants.names import name_of, variant_of
 
 SCRATCH = Path(tempfile.mkdtemp(prefix="carom-fuzz-", dir="/dev/shm"))
 

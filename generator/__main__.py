@@ -1,5 +1,5 @@
 """python -m generator: the gen command."""
 
-from generator.cli.main import main
+from .cli.main import main
 
 main()

@@ -18,8 +18,8 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.errors import InputError
-from generator.places import CACHE_CURE
+from .errors import InputError
+from .places import CACHE_CURE
 
 _MOST_LINKS = 40  # as Linux follows
 _SOME = 2**20  # bytes; a disk that has no room for them is full

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from generator.errors import InputError
+from .errors import InputError
 
 CACHE_CURE = "set CAROM_CACHE to a folder of 200 MB that can be written and run from"
 _PACKAGE = Path(__file__).resolve().parent

@@ -47,7 +47,7 @@ seed() { # TARGET: what its corpus starts from
   local corpus=$folder/$1
   mkdir -p "$corpus"
   case $1 in
-    scene) cp generator/scenes/*.toml "$corpus" ;;
+    scene) cp generator/impacts/ball_ball/scenes/*.toml "$corpus" ;;
     targets) cp generator/targets/targets.toml "$corpus" ;;
     cases) head -n 4 tests/data/reference/inputs.csv >"$corpus/reference" ;;
     selection) cp generated/zen3/any/selection.json "$corpus" ;;

@@ -1,6 +1,6 @@
 """Hashes of kernels' texts, so that a move of code is proved to have changed none.
 
-    .venv/bin/python tools/golden.py            compare all with tests/data/golden.jsonl; 1 where a text differs
+    .venv/bin/python tools/golden.py            compare with the kept hashes; 1 where one differs
     .venv/bin/python tools/golden.py --every 20 compare each 20th
     .venv/bin/python tools/golden.py --rewrite  keep the hashes of today's texts of the same kernels
     .venv/bin/python tools/golden.py --write    the same, of kernels that are drawn anew
@@ -24,15 +24,15 @@ sys.path.insert(0, str(ROOT))
 
 from generator.emission.kernel_source import emit  # noqa: E402
 from generator.errors import InputError, KernelError  # noqa: E402
-from generator.scenes.scene import scenes  # noqa: E402
-from generator.steppers.tableaus import TABLEAUS  # noqa: E402
+from generator.impacts.ball_ball.scene import scenes  # noqa: E402
+from generator.registry.axes import axes_of  # noqa: E402
+from generator.registry.lane_numbers import widths_for  # noqa: E402
+from generator.registry.names import variant_named  # noqa: E402
+from generator.registry.presets import PRESETS  # noqa: E402
+from generator.registry.rules import broken_rule  # noqa: E402
+from generator.registry.variant import Stepper, Variant, make_variant  # noqa: E402
+from generator.tableaus.tableaus import TABLEAUS  # noqa: E402
 from generator.targets.target import target_or_port  # noqa: E402
-from generator.variants.axes import axes_of  # noqa: E402
-from generator.variants.lane_numbers import widths_for  # noqa: E402
-from generator.variants.names import variant_named  # noqa: E402
-from generator.variants.presets import PRESETS  # noqa: E402
-from generator.variants.rules import broken_rule  # noqa: E402
-from generator.variants.variant import Stepper, Variant, make_variant  # noqa: E402
 
 KEPT = ROOT / "tests" / "data" / "golden.jsonl"
 TARGETS = ("zen3", "zen4", "x86-64-v2", "x86-64-v3", "armv8", "wasm32")

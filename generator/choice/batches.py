@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from generator.choice.candidates import batch_candidates
-from generator.choice.choose import Choice, choose_by_time
-from generator.choice.job import STEPS, verify
-from generator.choice.modelling import model_all
-from generator.choice.recorded import MORE, choose_elsewhere, legal_here
-from generator.choice.sought import choose_sought
-from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
-from generator.records.recipe import contest_of
-from generator.targets.host import Host
-from generator.targets.target import Target
-from generator.variants.axes import axis
-from generator.variants.variant import Variant
+from ..evidence.records.recipe import contest_of
+from ..registry.axes import axis
+from ..registry.variant import Variant
+from ..targets.host import Host
+from ..targets.target import Target
+from .candidates import batch_candidates
+from .choose import Choice, choose_by_time
+from .job import STEPS, verify
+from .modelling import model_all
+from .recorded import MORE, choose_elsewhere, legal_here
+from .sought import choose_sought
+from .workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
 
 
 def batch_job(

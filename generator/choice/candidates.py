@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from generator.scenes.scene import Scene, find_scene
-from generator.steppers.budgets import tableaus_for
-from generator.targets.target import Target
-from generator.variants.axes import axis
-from generator.variants.lane_numbers import float_lanes
-from generator.variants.lanes import widths_of
-from generator.variants.names import name_of
-from generator.variants.presets import PAPER_PRESETS
-from generator.variants.roots import COARSEST_FIRST, allows
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Stepper, Variant, make_variant
+from ..impacts.ball_ball.scene import Scene, find_scene
+from ..registry.axes import axis
+from ..registry.lane_numbers import float_lanes
+from ..registry.lanes import widths_of
+from ..registry.names import name_of
+from ..registry.presets import PAPER_PRESETS
+from ..registry.roots import COARSEST_FIRST, allows
+from ..registry.rules import broken_rule
+from ..registry.variant import Stepper, Variant, make_variant
+from ..steppers.exact.budgets import tableaus_for
+from ..targets.target import Target
 
 # Our short list for fixed steps: the slips alone and one pressed ball, in the ways of making 1/|c|
 # and of writing the loop that have won somewhere.

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from generator.choice.folder import file_of
-from generator.choice.model_error import MODEL_ERROR, model_band
-from generator.choice.selection import ChosenBy, Selected
-from generator.choice.workbench import Candidate
-from generator.errors import KernelError
-from generator.records.evidence import NEGLIGIBLE, WON, told
-from generator.targets.host import Host
-from generator.targets.target import Target
-from generator.timing.ratios import TimingRun, fastest, ties
-from generator.variants.variant import Variant
-from generator.verification.verdict import Verdict
+from ..errors import KernelError
+from ..evidence.records.evidence import NEGLIGIBLE, WON, told
+from ..evidence.timing.ratios import TimingRun, fastest, ties
+from ..evidence.verification.verdict import Verdict
+from ..registry.variant import Variant
+from ..targets.host import Host
+from ..targets.target import Target
+from .folder import file_of
+from .model_error import MODEL_ERROR, model_band
+from .selection import ChosenBy, Selected
+from .workbench import Candidate
 
 MODEL_BAND = 0.005  # modelled cycles that differ by less count as a tie where no recipe has won
 

@@ -8,15 +8,15 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.choice.selection import FILE, Selection, read_selection
-from generator.emission.kernel_source import emit
-from generator.errors import InputError
-from generator.files import write_file
-from generator.scenes.models import find_model
-from generator.scenes.scene import find_scene
-from generator.targets.target import find_target
-from generator.variants.names import source_name_of, variant_of
-from generator.variants.rules import require_legal
+from ..emission.kernel_source import emit
+from ..errors import InputError
+from ..files import write_file
+from ..impacts.ball_ball.models import find_model
+from ..impacts.ball_ball.scene import find_scene
+from ..registry.names import source_name_of, variant_of
+from ..registry.rules import require_legal
+from ..targets.target import find_target
+from .selection import FILE, Selection, read_selection
 
 
 @dataclass(frozen=True)

@@ -5,23 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from generator.choice.candidates import baseline, exact_candidates, fixed_step_candidates
-from generator.choice.choose import Choice, choose_by_time
-from generator.choice.modelling import model_all
-from generator.choice.recorded import choose_elsewhere, with_recorded
-from generator.choice.sought import choose_sought
-from generator.choice.verifying import Expected, HardCases
-from generator.choice.workbench import (
+from ..evidence.records.recipe import contest_of
+from ..registry.roots import is_reproducible
+from ..registry.variant import Variant
+from ..targets.host import Host
+from ..targets.target import Target
+from .candidates import baseline, exact_candidates, fixed_step_candidates
+from .choose import Choice, choose_by_time
+from .modelling import model_all
+from .recorded import choose_elsewhere, with_recorded
+from .sought import choose_sought
+from .verifying import Expected, HardCases
+from .workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
     Candidate,
     Workbench,
 )
-from generator.records.recipe import contest_of
-from generator.targets.host import Host
-from generator.targets.target import Target
-from generator.variants.roots import is_reproducible
-from generator.variants.variant import Variant
 
 STEPS = 1000
 EMULATED = 5  # of the cases one in so many runs under an emulator

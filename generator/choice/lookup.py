@@ -6,15 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from generator.choice.candidates import default_lanes
-from generator.choice.selection import Selection, read_selection
-from generator.errors import KernelError
-from generator.steppers.budgets import tableaus_for
-from generator.targets.host import Host
-from generator.targets.target import Target
-from generator.variants.names import variant_of
-from generator.variants.presets import find_preset
-from generator.variants.variant import Stepper, Variant, make_variant
+from ..errors import KernelError
+from ..registry.names import variant_of
+from ..registry.presets import find_preset
+from ..registry.variant import Stepper, Variant, make_variant
+from ..steppers.exact.budgets import tableaus_for
+from ..targets.host import Host
+from ..targets.target import Target
+from .candidates import default_lanes
+from .selection import Selection, read_selection
 
 
 @dataclass(frozen=True)

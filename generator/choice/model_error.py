@@ -6,7 +6,7 @@ fails where they are no longer true.
 
 from __future__ import annotations
 
-from generator.variants.variant import Variant
+from ..registry.variant import Variant
 
 # By family and "is it a batch?": standard deviation of log(modelled / recorded) over the main job's
 # kernels that take at most 1.25 of the fastest recorded, for the contact model where it is larger.

@@ -16,18 +16,18 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from generator.choice.store import key_of
-from generator.choice.workbench import Candidate, Workbench
-from generator.emission.lanes import lane_context
-from generator.errors import KernelError
-from generator.targets.target import Target
-from generator.toolchain.build import build
-from generator.toolchain.mca import McaReport, analyse, assembly_of, require_mca
-from generator.toolchain.replay import REPLAYED, Modelled, replayed_cycles
-from generator.toolchain.traces import TracedKernel, traced
-from generator.variants.lane_numbers import precision_of
-from generator.variants.variant import Variant
-from generator.verification.errors import Array
+from ..errors import KernelError
+from ..evidence.verification.errors import Array
+from ..lowering.lanes import lane_context
+from ..registry.lane_numbers import precision_of
+from ..registry.variant import Variant
+from ..targets.target import Target
+from ..toolchain.build import build
+from ..toolchain.mca import McaReport, analyse, assembly_of, require_mca
+from ..toolchain.replay import REPLAYED, Modelled, replayed_cycles
+from ..toolchain.traces import TracedKernel, traced
+from .store import key_of
+from .workbench import Candidate, Workbench
 
 # Of the mixed set that kernels are timed on. All their steps are recorded: with fewer, longer steps
 # other checks fail.

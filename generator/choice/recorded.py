@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from generator.choice.choose import Choice, choose_by_model, choose_by_records, eligible
-from generator.choice.store import key_of
-from generator.choice.workbench import Candidate, Workbench
-from generator.records.code import compiled_hash, source_hash
-from generator.records.record import Basis
-from generator.targets.target import Target
-from generator.timing.bench_tool import CASE_COLUMNS
-from generator.variants.names import name_of
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Variant
+from ..evidence.records.code import compiled_hash, source_hash
+from ..evidence.records.record import Basis
+from ..evidence.timing.bench_tool import CASE_COLUMNS
+from ..registry.names import name_of
+from ..registry.rules import broken_rule
+from ..registry.variant import Variant
+from ..targets.target import Target
+from .choose import Choice, choose_by_model, choose_by_records, eligible
+from .store import key_of
+from .workbench import Candidate, Workbench
 
 MORE = 6  # of the fastest recorded recipes that are candidates, too
 

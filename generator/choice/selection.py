@@ -8,7 +8,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from generator.errors import InputError
+from ..errors import InputError
 
 FILE = "selection.json"
 ChosenBy = Literal["timing", "records", "llvm-mca", "default"]  # records: timed earlier

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.challenge.envelope import envelope
-from generator.challenge.kept import csv_row
-from generator.challenge.search import (
+from ..errors import KernelError
+from ..evidence.challenge.envelope import envelope
+from ..evidence.challenge.kept import csv_row
+from ..evidence.challenge.search import (
     Finding,
     Limits,
     Subject,
@@ -18,13 +19,12 @@ from generator.challenge.search import (
     errors_confirmed,
     search,
 )
-from generator.choice.choose import Choice
-from generator.choice.store import key_of
-from generator.choice.verifying import Expected
-from generator.choice.workbench import Candidate, Workbench
-from generator.errors import KernelError
-from generator.scenes.scene import find_scene
-from generator.verification.errors import Array
+from ..evidence.verification.errors import Array
+from ..impacts.ball_ball.scene import find_scene
+from .choose import Choice
+from .store import key_of
+from .verifying import Expected
+from .workbench import Candidate, Workbench
 
 EVALUATIONS = 20_000  # a second or two of an idle machine's two cores
 SEED = 2014
@@ -136,6 +136,8 @@ def _met(subject: Subject, cases: Sequence[Array]) -> Sought | None:
 
 def search_hash() -> str:
     """Of the rules of the search: what it found holds only under those that it was found by."""
-    rooms = [Path(__file__).parents[1] / name for name in ("challenge", "verification")]
+    rooms = [
+        Path(__file__).parents[1] / "evidence" / name for name in ("challenge", "verification")
+    ]
     files: Sequence[Path] = [path for room in rooms for path in sorted(room.glob("*.py"))]
     return key_of(*(path.read_text("utf-8") for path in files))

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from generator.files import write_file
-from generator.verification.errors import Array
+from ..evidence.verification.errors import Array
+from ..files import write_file
 
 
 def key_of(*parts: object) -> str:

@@ -8,13 +8,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from generator.errors import KernelCrash, KernelError, KernelTimeout
-from generator.variants.variant import Variant
-from generator.verification.errors import OUTCOME_COLUMNS, STICKS, Array
-from generator.verification.euler import FLIP_SHARE, euler_verdict
-from generator.verification.exact import exact_verdict
-from generator.verification.verdict import Verdict
-from generator.verification.worst_estimates import PATTERNS
+from ..errors import KernelCrash, KernelError, KernelTimeout
+from ..evidence.verification.errors import OUTCOME_COLUMNS, STICKS, Array
+from ..evidence.verification.euler import FLIP_SHARE, euler_verdict
+from ..evidence.verification.exact import exact_verdict
+from ..evidence.verification.verdict import Verdict
+from ..evidence.verification.worst_estimates import PATTERNS
+from ..registry.variant import Variant
 
 Run = Callable[[Array, bool], Array]  # cases' outcomes, one by one or as a batch
 

@@ -13,8 +13,39 @@ from typing import Any
 
 import numpy as np
 
-from generator.choice.store import Store, key_of
-from generator.choice.verifying import (
+from ..emission.kernel_source import KernelSource, emit
+from ..errors import KernelError
+from ..evidence.records.evidence import Found, Timings
+from ..evidence.timing.bench_tool import BenchTool, Method
+from ..evidence.timing.emulated import EmulatedRunner
+from ..evidence.timing.plan import PlannedKernel, TimingPlan
+from ..evidence.timing.ratios import TimingResult, TimingRun, timing_results, timing_run
+from ..evidence.verification.errors import EXPECTED_COLUMNS, Array
+from ..evidence.verification.floors import rounding_of
+from ..evidence.verification.hard_cases import (
+    NEIGHBOURS,
+    load_hard,
+    moved_by,
+    neighbours,
+)
+from ..evidence.verification.reference import EULER_STEPS, load_reference
+from ..evidence.verification.scene_cases import cases_for_scene
+from ..evidence.verification.verdict import Verdict, with_worst
+from ..evidence.verification.worst_estimates import PATTERNS, at_worst
+from ..impacts.ball_ball.masses import MassRatio
+from ..impacts.ball_ball.scene import Scene, find_scene
+from ..lowering.isa import estimates_in
+from ..registry.names import name_of, source_name_of
+from ..registry.roots import is_reproducible
+from ..registry.variant import Variant
+from ..targets.host import read_host
+from ..targets.target import Target
+from ..toolchain.build import BuildJob, BuiltLibrary, build, build_many, cache_key
+from ..toolchain.compilers import Compiler, march_flags
+from ..toolchain.flags import compile_flags
+from ..toolchain.replay import Modelled
+from .store import Store, key_of
+from .verifying import (
     Expected,
     HardCases,
     Run,
@@ -23,37 +54,6 @@ from generator.choice.verifying import (
     verdicts,
     worst_verdict,
 )
-from generator.emission.isa import estimates_in
-from generator.emission.kernel_source import KernelSource, emit
-from generator.errors import KernelError
-from generator.mechanics.masses import MassRatio
-from generator.records.evidence import Found, Timings
-from generator.scenes.scene import Scene, find_scene
-from generator.targets.host import read_host
-from generator.targets.target import Target
-from generator.timing.bench_tool import BenchTool, Method
-from generator.timing.emulated import EmulatedRunner
-from generator.timing.plan import PlannedKernel, TimingPlan
-from generator.timing.ratios import TimingResult, TimingRun, timing_results, timing_run
-from generator.toolchain.build import BuildJob, BuiltLibrary, build, build_many, cache_key
-from generator.toolchain.compilers import Compiler, march_flags
-from generator.toolchain.flags import compile_flags
-from generator.toolchain.replay import Modelled
-from generator.variants.names import name_of, source_name_of
-from generator.variants.roots import is_reproducible
-from generator.variants.variant import Variant
-from generator.verification.errors import EXPECTED_COLUMNS, Array
-from generator.verification.floors import rounding_of
-from generator.verification.hard_cases import (
-    NEIGHBOURS,
-    load_hard,
-    moved_by,
-    neighbours,
-)
-from generator.verification.reference import EULER_STEPS, load_reference
-from generator.verification.scene_cases import cases_for_scene
-from generator.verification.verdict import Verdict, with_worst
-from generator.verification.worst_estimates import PATTERNS, at_worst
 
 Progress = Callable[[str, int, int], None]  # what, done, of
 
@@ -385,7 +385,7 @@ def _require_reproducible(candidate: Candidate) -> None:
 @cache
 def verification_hash() -> str:
     """Hash of the rules of verification: a verdict holds only under the rules it was given by."""
-    folder = Path(__file__).parents[1] / "verification"
+    folder = Path(__file__).parents[1] / "evidence" / "verification"
     return key_of(*(path.read_text("utf-8") for path in sorted(folder.glob("*.py"))))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from generator.errors import InputError
+from ..errors import InputError
 
 
 @click.command()
@@ -19,13 +19,13 @@ from generator.errors import InputError
 @click.option("--seconds", default=20.0, show_default=True, help="time for timing, each model")
 def bench(target: str, scene: str, model: str | None, json_path: Path, seconds: float) -> int:
     """Verify and time the kernels of generated/<target>/<scene>/ and paper-initial."""
-    from generator.choice.lookup import require_runs
-    from generator.choice.selection import read_selection
-    from generator.cli.bench_rows import bench_rows
-    from generator.cli.session import ROOT, resolve_target, workbench
-    from generator.files import is_stdout, require_place, write_file
-    from generator.scenes.models import find_model
-    from generator.scenes.scene import find_scene
+    from ..choice.lookup import require_runs
+    from ..choice.selection import read_selection
+    from ..files import is_stdout, require_place, write_file
+    from ..impacts.ball_ball.models import find_model
+    from ..impacts.ball_ball.scene import find_scene
+    from .bench_rows import bench_rows
+    from .session import ROOT, resolve_target, workbench
 
     find_scene(scene)
     if model is not None:

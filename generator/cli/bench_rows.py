@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from generator.choice.candidates import baseline
-from generator.choice.lookup import with_compiler_found
-from generator.choice.modelling import frame_bound, lanes_in_flight, loop_report
-from generator.choice.selection import Selected
-from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
-from generator.profiling.passes import steps_a_collision
-from generator.scenes.scene import find_scene
-from generator.targets.target import Target
-from generator.toolchain.mca import find_mca
-from generator.variants.names import variant_of
-from generator.verification.errors import Array
+from ..choice.candidates import baseline
+from ..choice.lookup import with_compiler_found
+from ..choice.modelling import frame_bound, lanes_in_flight, loop_report
+from ..choice.selection import Selected
+from ..choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
+from ..evidence.profiling.passes import steps_a_collision
+from ..evidence.verification.errors import Array
+from ..impacts.ball_ball.scene import find_scene
+from ..registry.names import variant_of
+from ..targets.target import Target
+from ..toolchain.mca import find_mca
 
 COUNTED = 2000  # cases whose steps are counted, of an exact kernel
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.errors import InputError
-from generator.scenes.scene import LIMITS
-from generator.verification.errors import Array
-from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
+from ..errors import InputError
+from ..evidence.verification.errors import Array
+from ..evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
+from ..impacts.ball_ball.scene import LIMITS
 
 _OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 

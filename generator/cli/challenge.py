@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from generator.errors import InputError, KernelError
+from ..errors import InputError, KernelError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from generator.challenge.search import Limits, Result, Subject
-    from generator.choice.workbench import Workbench
-    from generator.variants.variant import Variant
+    from ..choice.workbench import Workbench
+    from ..evidence.challenge.search import Limits, Result, Subject
+    from ..registry.variant import Variant
 
 _MOST = 2**62  # evaluations, where the time alone ends a search
 _BUDGETS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-9)  # of --all
@@ -35,7 +35,7 @@ class _Asked:
     def limits(self) -> Limits:
         import time
 
-        from generator.challenge.search import Limits
+        from ..evidence.challenge.search import Limits
 
         if self.evaluations is not None:
             return Limits(self.evaluations)
@@ -85,11 +85,11 @@ def challenge(
     """Search for the input with the largest error of the chosen kernel, or of KERNEL."""
     import json
 
-    from generator.challenge.document import document
-    from generator.challenge.search import search_all
-    from generator.choice.lookup import require_runs
-    from generator.cli.session import resolve_target, workbench
-    from generator.files import require_place, write_file
+    from ..choice.lookup import require_runs
+    from ..evidence.challenge.document import document
+    from ..evidence.challenge.search import search_all
+    from ..files import require_place, write_file
+    from .session import resolve_target, workbench
 
     if everything and kernel:
         raise InputError("--all and a KERNEL exclude each other: name one of them")
@@ -122,7 +122,7 @@ def challenge(
 
 
 def _named(kernel: str) -> Variant:
-    from generator.variants.names import variant_named
+    from ..registry.names import variant_named
 
     variant = variant_named(kernel)
     if variant.stepper.budget is None:
@@ -134,11 +134,11 @@ def _chosen(
     asked: _Asked, model: str | None, max_error: float | None, batch: bool | None
 ) -> Iterator[tuple[Variant, bool]]:
     """Chosen kernels and whether they are for batches. `batch` None: all that is not named."""
-    from generator.choice.lookup import Goal, batch_kernel_for, kernel_for
-    from generator.cli.session import ROOT, resolve_target
-    from generator.scenes.models import MODELS, find_model
-    from generator.scenes.scene import find_scene
-    from generator.steppers.budgets import plan_for
+    from ..choice.lookup import Goal, batch_kernel_for, kernel_for
+    from ..impacts.ball_ball.models import MODELS, find_model
+    from ..impacts.ball_ball.scene import find_scene
+    from ..steppers.exact.budgets import plan_for
+    from .session import ROOT, resolve_target
 
     scene, resolved = find_scene(asked.scene), resolve_target(asked.target)[0]
     every = batch is None
@@ -162,13 +162,13 @@ def _subject(
 ) -> Subject:
     import numpy as np
 
-    from generator.challenge.envelope import envelope
-    from generator.challenge.search import Subject
-    from generator.choice.lookup import with_compiler_found
-    from generator.profiling.counting import count_operations
-    from generator.scenes.scene import find_scene
-    from generator.targets.target import find_target
-    from generator.verification.errors import Array
+    from ..choice.lookup import with_compiler_found
+    from ..evidence.challenge.envelope import envelope
+    from ..evidence.challenge.search import Subject
+    from ..evidence.profiling.counting import count_operations
+    from ..evidence.verification.errors import Array
+    from ..impacts.ball_ball.scene import find_scene
+    from ..targets.target import find_target
 
     variant = with_compiler_found(variant, dict(bench.compilers))
     candidate = bench.prepare([variant], find_target(variant.target))[0]
@@ -191,8 +191,8 @@ def _subject(
 
 
 def _keep(found: list[Result]) -> None:
-    from generator.challenge.kept import keep
-    from generator.verification.hard_cases import FILE
+    from ..evidence.challenge.kept import keep
+    from ..evidence.verification.hard_cases import FILE
 
     over = [("found_by_search", result.over[0].case) for result in found if result.over]
     if over:
@@ -201,7 +201,7 @@ def _keep(found: list[Result]) -> None:
 
 def _show(name: str, subject: Subject, seed: int, found: list[Result], brief: bool) -> bool:
     """Prints what was found; was nothing over?"""
-    from generator.cli.challenge_lines import brief_line, lines
+    from .challenge_lines import brief_line, lines
 
     if brief:
         click.echo(brief_line(name, subject, found))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from generator.challenge.kept import CSV_HEADER, csv_row, hexfloats
-from generator.challenge.search import Finding, Result, Subject
+from ..evidence.challenge.kept import CSV_HEADER, csv_row, hexfloats
+from ..evidence.challenge.search import Finding, Result, Subject
 
 _WORDS = {
     "error": "off by {:.3g} of the budget",

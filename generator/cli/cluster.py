@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from generator.errors import InputError
+from ..errors import InputError
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -42,7 +42,7 @@ def connected(address: str) -> Iterator[Client]:
 @click.option("--threads", type=click.IntRange(1, 64), help="builds at once; default: all CPUs")
 def worker(address: str, threads: int | None) -> None:
     """Do the jobs of sweeps that go to the scheduler at ADDRESS; announces this machine's CPU."""
-    from generator.targets.host import read_host
+    from ..targets.host import read_host
 
     host = read_host()
     if not host.exact:
@@ -50,7 +50,7 @@ def worker(address: str, threads: int | None) -> None:
     try:
         from distributed import Nanny
 
-        from generator.sweep.worker import resource_of
+        from ..sweep.worker import resource_of
     except ModuleNotFoundError:
         raise InputError(f"worker: {_MISSING}") from None
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from generator.errors import InputError
+from ..errors import InputError
 
 
 @click.command()
@@ -27,20 +27,20 @@ def collide(
     batch: bool,
 ) -> None:
     """Collide the cases of a CSV file."""
-    from generator.choice.lookup import (
+    from ..choice.lookup import (
         Goal,
         batch_kernel_for,
         kernel_for,
         require_runs,
         with_compiler_found,
     )
-    from generator.cli.case_table import outcome_text, read_case_table
-    from generator.cli.session import ROOT, resolve_target, workbench
-    from generator.errors import KernelError
-    from generator.files import is_stdout, require_place, write_file
-    from generator.scenes.models import find_model
-    from generator.scenes.scene import find_scene
-    from generator.steppers.budgets import plan_for
+    from ..errors import KernelError
+    from ..files import is_stdout, require_place, write_file
+    from ..impacts.ball_ball.models import find_model
+    from ..impacts.ball_ball.scene import find_scene
+    from ..steppers.exact.budgets import plan_for
+    from .case_table import outcome_text, read_case_table
+    from .session import ROOT, resolve_target, workbench
 
     if steps is not None and max_error is not None:
         raise InputError("--steps and --max-error exclude each other: name one of them")

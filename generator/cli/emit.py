@@ -16,7 +16,7 @@ def emit(kernel: str | None, header: str | None, out: Path | None) -> None:
 
     Where it was chosen these are the bytes in generated/; nothing is compiled or timed.
     """
-    from generator.files import require_place, write_file
+    from ..files import require_place, write_file
 
     if (kernel is None) == (header is None):
         raise click.UsageError("name a kernel, or the scene of a --header")
@@ -30,11 +30,11 @@ def emit(kernel: str | None, header: str | None, out: Path | None) -> None:
 
 
 def _kernel(name: str) -> str:
-    from generator.choice.selection import read_selection
-    from generator.cli.session import ROOT
-    from generator.emission.kernel_source import emit as emitted
-    from generator.errors import InputError
-    from generator.variants.names import source_name_of, variant_named
+    from ..choice.selection import read_selection
+    from ..emission.kernel_source import emit as emitted
+    from ..errors import InputError
+    from ..registry.names import source_name_of, variant_named
+    from .session import ROOT
 
     variant = variant_named(name)
     places = (ROOT / "generated" / target for target in (variant.target, "native"))
@@ -48,7 +48,7 @@ def _kernel(name: str) -> str:
 
 
 def _header(scene: str) -> str:
-    from generator.emission.kernel_source import emit_header
-    from generator.scenes.scene import find_scene
+    from ..emission.kernel_source import emit_header
+    from ..impacts.ball_ball.scene import find_scene
 
     return emit_header(find_scene(scene))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from generator.scenes.models import DEFAULT_MODEL
+from ..impacts.ball_ball.models import DEFAULT_MODEL
 
 
 @click.command()
@@ -13,6 +13,6 @@ from generator.scenes.models import DEFAULT_MODEL
 @click.option("--model", default=DEFAULT_MODEL, show_default=True, help="for a preset")
 def explain(kernel: str, target: str, model: str) -> None:
     """Explain a kernel, by its name, its file or a preset (see list variants)."""
-    from generator.cli.explanation import print_explanation
+    from .explanation import print_explanation
 
     print_explanation(kernel, target, model)

@@ -5,16 +5,16 @@ from __future__ import annotations
 import click
 import sympy as sp
 
-from generator.emission.kernel_source import emit
-from generator.errors import InputError
-from generator.mechanics.contact import slips, velocity_changes
-from generator.mechanics.reduced import recovery, reduced_system
-from generator.scenes.models import find_model
-from generator.targets.target import find_target
-from generator.variants.axes import axis
-from generator.variants.names import name_of, variant_named
-from generator.variants.presets import find_preset
-from generator.variants.variant import Stepper, Variant, make_variant
+from ..emission.kernel_source import emit
+from ..errors import InputError
+from ..impacts.ball_ball.contact import slips, velocity_changes
+from ..impacts.ball_ball.models import find_model
+from ..impacts.ball_ball.reduced import recovery, reduced_system
+from ..registry.axes import axis
+from ..registry.names import name_of, variant_named
+from ..registry.presets import find_preset
+from ..registry.variant import Stepper, Variant, make_variant
+from ..targets.target import find_target
 
 
 def print_explanation(kernel: str, target: str, model: str) -> None:

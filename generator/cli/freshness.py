@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from generator.choice.folder import (
+from ..choice.folder import (
     Difference,
     checked_selection,
     differences,
@@ -17,8 +17,8 @@ from generator.choice.folder import (
     strays_beside,
     write_files,
 )
-from generator.cli.session import ROOT
-from generator.errors import InputError
+from ..errors import InputError
+from .session import ROOT
 
 _MOST_LINES = 20
 

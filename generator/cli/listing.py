@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from generator.errors import InputError
+from ..errors import InputError
 
 
 @click.command("list")
@@ -21,12 +21,12 @@ from generator.errors import InputError
 def list_rows(what: str, cost: bool, target: str, seconds: float) -> None:
     """List what there is to choose from."""
     if cost:
-        from generator.cli.scene_table import show_scene_costs
+        from .scene_table import show_scene_costs
 
         if what != "scenes":
             raise InputError(f"--cost: {what} have none; expected list scenes --cost")
         show_scene_costs(target, seconds)
         return
-    from generator.cli.tables import show_tables
+    from .tables import show_tables
 
     show_tables(what)

@@ -10,9 +10,9 @@ from typing import TextIO
 
 import click
 
-from generator import __version__
-from generator.errors import InputError, KernelError
-from generator.files import line_of
+from .. import __version__
+from ..errors import InputError, KernelError
+from ..files import line_of
 
 _REINSTALL = "install carom anew (in a clone: remove .venv), on a disk that programs run from"
 
@@ -93,19 +93,19 @@ def gen(
     if context.invoked_subcommand is not None:
         return None
     if check or update:
-        from generator.cli.freshness import run_check, run_update
+        from .freshness import run_check, run_update
 
         return run_check(out) if check else run_update(out)
     if target is None:
         raise click.UsageError("name a target, as ./gen --target native (or see ./gen --help)")
-    from generator.cli.main_job import run_main_job
+    from .main_job import run_main_job
 
     run_main_job(target, scene, model, out, seconds, fresh, max_error)
     return None
 
 
 def _register() -> None:
-    from generator.cli import (
+    from . import (
         bench,
         challenge,
         cluster,

@@ -6,24 +6,24 @@ from pathlib import Path
 
 from rich.console import Console
 
-from generator.choice.batches import batch_job
-from generator.choice.choose import Choice, selected
-from generator.choice.folder import checked_selection, require_writable, write_folder
-from generator.choice.job import EMULATED, exact_job, fixed_step_job
-from generator.choice.selection import Selection
-from generator.choice.workbench import (
+from ..choice.batches import batch_job
+from ..choice.choose import Choice, selected
+from ..choice.folder import checked_selection, require_writable, write_folder
+from ..choice.job import EMULATED, exact_job, fixed_step_job
+from ..choice.selection import Selection
+from ..choice.workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
     Candidate,
     Workbench,
 )
-from generator.cli.main_table import LEAST_WIDTH, show_table
-from generator.cli.session import ROOT, resolve_target, workbench
-from generator.scenes.models import MODELS, find_model
-from generator.scenes.scene import find_scene
-from generator.steppers.budgets import plan_for
-from generator.targets.host import Host
-from generator.targets.target import Target
+from ..impacts.ball_ball.models import MODELS, find_model
+from ..impacts.ball_ball.scene import find_scene
+from ..steppers.exact.budgets import plan_for
+from ..targets.host import Host
+from ..targets.target import Target
+from .main_table import LEAST_WIDTH, show_table
+from .session import ROOT, resolve_target, workbench
 
 
 def run_main_job(

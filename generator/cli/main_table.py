@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from rich.console import Console
 from rich.table import Table
 
-from generator.choice.choose import Choice
-from generator.choice.workbench import Candidate
-from generator.targets.target import Target, find_target
-from generator.variants.axes import axis
-from generator.variants.names import source_name_of
-from generator.variants.presets import PAPER_PRESETS
-from generator.variants.variant import Variant, make_variant
+from ..choice.choose import Choice
+from ..choice.workbench import Candidate
+from ..registry.axes import axis
+from ..registry.names import source_name_of
+from ..registry.presets import PAPER_PRESETS
+from ..registry.variant import Variant, make_variant
+from ..targets.target import Target, find_target
 
 LEAST_WIDTH = 80
 ROOMY = 108  # columns from which on the clock's cycles have room too

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from generator.errors import InputError
+from ..errors import InputError
 
 
 @click.command()
@@ -30,7 +30,7 @@ def plot(
     seconds: float,
 ) -> None:
     """Draw time against error of fixed steps and exact steppers; its data goes beside as JSON."""
-    from generator.files import require_place
+    from ..files import require_place
 
     if out.suffix != ".svg":
         raise InputError(f"{out}: expected the name of an SVG file, as plot.svg")
@@ -44,10 +44,10 @@ def plot(
 
 
 def _models(out: Path) -> None:
-    from generator.figures.model_gap import draw, model_gaps
-    from generator.files import write_file
-    from generator.places import cache_folder
-    from generator.timing.bench_tool import build_bench_tool
+    from ..evidence.timing.bench_tool import build_bench_tool
+    from ..files import write_file
+    from ..places import cache_folder
+    from ..report.figures.model_gap import draw, model_gaps
 
     gaps = model_gaps(build_bench_tool(cache_folder()))
     write_file(out, draw(gaps))
@@ -60,9 +60,9 @@ def _models(out: Path) -> None:
 
 
 def _redraw(out: Path, source: Path) -> None:
-    from generator.figures.speed_error import measured_of
-    from generator.figures.speed_error_svg import draw
-    from generator.files import write_file
+    from ..files import write_file
+    from ..report.figures.speed_error import measured_of
+    from ..report.figures.speed_error_svg import draw
 
     try:
         measured = measured_of(json.loads(source.read_text("utf-8")))
@@ -75,13 +75,13 @@ def _redraw(out: Path, source: Path) -> None:
 
 
 def _measure(out: Path, target: str, scene: str, model: str | None, seconds: float) -> None:
-    from generator.choice.lookup import require_runs
-    from generator.cli.session import ROOT, resolve_target, workbench
-    from generator.figures.speed_error import measure
-    from generator.figures.speed_error_svg import draw
-    from generator.files import require_place, write_file
-    from generator.scenes.models import find_model
-    from generator.scenes.scene import find_scene
+    from ..choice.lookup import require_runs
+    from ..files import require_place, write_file
+    from ..impacts.ball_ball.models import find_model
+    from ..impacts.ball_ball.scene import find_scene
+    from ..report.figures.speed_error import measure
+    from ..report.figures.speed_error_svg import draw
+    from .session import ROOT, resolve_target, workbench
 
     data = out.with_suffix(".json")
     require_place(data)

@@ -11,28 +11,28 @@ from pathlib import Path
 
 from rich.console import Console
 
-from generator.choice.job import STEPS
-from generator.cli.interrupts import kept
-from generator.cli.session import RECORDED, ROOT, resolve_target, workbench
-from generator.cli.sweep_display import SweepDisplay, displayed
-from generator.cli.sweep_run import say_too_short
-from generator.errors import InputError
-from generator.files import require_place
-from generator.places import cache_folder
-from generator.records.evidence import read_timings
-from generator.records.files import timings_path
-from generator.scenes.models import MODELS, find_model
-from generator.steppers.budgets import plan_for
-from generator.sweep.lab import Lab, LocalLab
-from generator.sweep.ledger import new_run
-from generator.sweep.record import Run
-from generator.sweep.refresh import contests_of, refresh
-from generator.sweep.station import Station
-from generator.sweep.store import opened
-from generator.sweep.sweep import Plan
-from generator.targets.host import Host
-from generator.targets.target import Target
-from generator.variants.lane_numbers import widths_for
+from ..choice.job import STEPS
+from ..errors import InputError
+from ..evidence.records.evidence import read_timings
+from ..evidence.records.files import timings_path
+from ..files import require_place
+from ..impacts.ball_ball.models import MODELS, find_model
+from ..places import cache_folder
+from ..registry.lane_numbers import widths_for
+from ..steppers.exact.budgets import plan_for
+from ..sweep.lab import Lab, LocalLab
+from ..sweep.ledger import new_run
+from ..sweep.record import Run
+from ..sweep.refresh import contests_of, refresh
+from ..sweep.station import Station
+from ..sweep.store import opened
+from ..sweep.sweep import Plan
+from ..targets.host import Host
+from ..targets.target import Target
+from .interrupts import kept
+from .session import RECORDED, ROOT, resolve_target, workbench
+from .sweep_display import SweepDisplay, displayed
+from .sweep_run import say_too_short
 
 SCENE, SEED, FILE = "any", 1, "refresh.sqlite"
 

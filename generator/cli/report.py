@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from generator.errors import InputError
+from ..errors import InputError
 
 if TYPE_CHECKING:
-    from generator.report.gather import Stored
-    from generator.targets.host import Host
-    from generator.targets.target import Target
+    from ..report.gather import Stored
+    from ..targets.host import Host
+    from ..targets.target import Target
 
 
 @dataclass(frozen=True)
@@ -50,17 +50,17 @@ def report(
     seconds: float,
 ) -> None:
     """Lay out a stored sweep and what was measured as one page; its data goes beside as JSON."""
-    from generator.cli.session import RECORDED, resolve_target
-    from generator.files import require_place, write_file
-    from generator.places import cache_folder
-    from generator.records.evidence import read_timings
-    from generator.report.cpus import cpu_costs
-    from generator.report.gather import gather
-    from generator.report.measured import measured_path, read_measured
-    from generator.report.page import json_of, render
-    from generator.scenes.models import find_model
-    from generator.scenes.scene import find_scene
-    from generator.sweep.store import default_store
+    from ..evidence.records.evidence import read_timings
+    from ..files import require_place, write_file
+    from ..impacts.ball_ball.models import find_model
+    from ..impacts.ball_ball.scene import find_scene
+    from ..places import cache_folder
+    from ..report.cpus import cpu_costs
+    from ..report.gather import gather
+    from ..report.measured import measured_path, read_measured
+    from ..report.page import json_of, render
+    from ..sweep.store import default_store
+    from .session import RECORDED, resolve_target
 
     if out.suffix != ".html":
         raise InputError(f"{out}: expected the name of an HTML file, as report.html")
@@ -107,9 +107,9 @@ def _options(target: str, scene: str, model: str | None) -> str:
 
 def _stored(place: Path, named: bool, target: str, scene: str, model: str) -> Stored:
     """What a store holds of a target, scene and model; nothing where there is no default store."""
-    from generator.report.gather import Stored
-    from generator.report.subjects import last_finals
-    from generator.sweep.store import read_only
+    from ..report.gather import Stored
+    from ..report.subjects import last_finals
+    from ..sweep.store import read_only
 
     if not named and not place.exists():
         return Stored((), (), {})
@@ -125,10 +125,10 @@ def _stored(place: Path, named: bool, target: str, scene: str, model: str) -> St
 
 
 def _measure(request: Request, host: Host, stored: Stored, kept: Path, seconds: float) -> None:
-    from generator.cli.session import ROOT, workbench
-    from generator.report.measure import measure
-    from generator.report.measured import write_measured
-    from generator.report.subjects import calls, lanes_in, subjects
+    from ..report.measure import measure
+    from ..report.measured import write_measured
+    from ..report.subjects import calls, lanes_in, subjects
+    from .session import ROOT, workbench
 
     target = request.resolved
     if host.target.name != target.name:

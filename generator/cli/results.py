@@ -28,8 +28,8 @@ def merge(stores: tuple[Path, ...], out: Path) -> None:
     STORES: all of sweeps (SQLite), or all files of timings (.jsonl). A file is the same whatever
     the order; a damaged line is named and left out.
     """
-    from generator.errors import InputError
-    from generator.sweep.store import merge as merged
+    from ..errors import InputError
+    from ..sweep.store import merge as merged
 
     if out.resolve() in [path.resolve() for path in stores]:
         raise InputError(f"--out {out}: is one of the stores that are read; name another")
@@ -45,7 +45,7 @@ def merge(stores: tuple[Path, ...], out: Path) -> None:
 
 
 def _merged_files(files: tuple[Path, ...], out: Path) -> dict[Path, int]:
-    from generator.records.files import read_records, union, write_records
+    from ..evidence.records.files import read_records, union, write_records
 
     found = {path: read_records(path) for path in files}
     known = read_records(out).records if out.exists() else ()
@@ -66,12 +66,12 @@ def _merged_files(files: tuple[Path, ...], out: Path) -> dict[Path, int]:
 @click.option("--out", type=_PLACE, help="file to add to; default: timings/CPU.jsonl")
 def export(cpu: str, store: Path | None, out: Path | None) -> None:
     """Add what a sweep's store has timed on a CPU to its file of records."""
-    from generator.cli.session import ROOT, resolve_target
-    from generator.files import require_place
-    from generator.places import cache_folder
-    from generator.records.files import timings_path
-    from generator.sweep.refresh import add_exported
-    from generator.sweep.store import default_store, read_only
+    from ..evidence.records.files import timings_path
+    from ..files import require_place
+    from ..places import cache_folder
+    from ..sweep.refresh import add_exported
+    from ..sweep.store import default_store, read_only
+    from .session import ROOT, resolve_target
 
     target = resolve_target(cpu)[0].name
     place = out or timings_path(ROOT, target)
@@ -85,9 +85,9 @@ def export(cpu: str, store: Path | None, out: Path | None) -> None:
 @click.argument("file", type=_PLACE)
 def import_file(file: Path) -> None:
     """Add the records of FILE to timings/, each to the file of its CPU; damaged lines are named."""
-    from generator.cli.session import ROOT
-    from generator.records.files import read_records, timings_path, write_records
-    from generator.targets.target import find_target
+    from ..evidence.records.files import read_records, timings_path, write_records
+    from ..targets.target import find_target
+    from .session import ROOT
 
     found = read_records(file)
     for line in found.damaged:
@@ -123,6 +123,6 @@ def refresh(
     Fixed steps and exact kernels, single calls and batches. Stopped at any moment, nothing that was
     timed is lost, and the same command goes on from there.
     """
-    from generator.cli.refresh import run
+    from .refresh import run
 
     return run(cpu, minutes, max_error, models, store, out)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from rich.console import Console
 from rich.table import Table
 
-from generator.choice.lookup import require_runs
-from generator.cli.session import resolve_target, workbench
-from generator.figures.scene_costs import COUNTED_CASES, PLAIN, SceneCost, scene_costs
-from generator.scenes.scene import scenes
+from ..choice.lookup import require_runs
+from ..impacts.ball_ball.scene import scenes
+from ..report.figures.scene_costs import COUNTED_CASES, PLAIN, SceneCost, scene_costs
+from .session import resolve_target, workbench
 
 _TITLES = (
     "scene",

@@ -9,15 +9,15 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from generator.choice.workbench import Workbench
-from generator.errors import InputError
-from generator.places import cache_folder, sources, working_root
-from generator.records.evidence import read_timings
-from generator.targets.host import Host, read_host
-from generator.targets.target import Target, find_target
-from generator.timing.bench_tool import build_bench_tool
-from generator.timing.emulated import emulated_runner
-from generator.toolchain.compilers import compilers_for, find_compilers, missing
+from ..choice.workbench import Workbench
+from ..errors import InputError
+from ..evidence.records.evidence import read_timings
+from ..evidence.timing.bench_tool import build_bench_tool
+from ..evidence.timing.emulated import emulated_runner
+from ..places import cache_folder, sources, working_root
+from ..targets.host import Host, read_host
+from ..targets.target import Target, find_target
+from ..toolchain.compilers import compilers_for, find_compilers, missing
 
 ROOT = working_root()  # `generated/` is in it
 RECORDED = tuple(dict.fromkeys((sources(), ROOT)))  # `timings/` is in them: ours, and the user's

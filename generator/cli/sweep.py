@@ -40,7 +40,7 @@ DEFAULT_MINUTES = 19.0
 @click.option("--wait", default=60.0, show_default=True, help="seconds for a worker to appear")
 def sweep(minutes: float | None, **asked: object) -> int:
     """Explore the registry for a CPU, keep every trial, choose the fastest kernels."""
-    from generator.cli.sweep_run import Asked, run
+    from .sweep_run import Asked, run
 
     if minutes is None and asked["trials"] is None and not asked["exhaustive"]:
         minutes = DEFAULT_MINUTES

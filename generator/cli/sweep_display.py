@@ -11,11 +11,11 @@ from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
-from generator.sweep.explore import Observer, Progress
-from generator.sweep.finals import beaten_by, row_of
-from generator.sweep.ledger import Ledger
-from generator.sweep.record import Final, Finalist
-from generator.sweep.sweep import Outcome
+from ..sweep.explore import Observer, Progress
+from ..sweep.finals import beaten_by, row_of
+from ..sweep.ledger import Ledger
+from ..sweep.record import Final, Finalist
+from ..sweep.sweep import Outcome
 
 _QUIET_SECONDS = 30.0  # between two lines where nobody watches
 

@@ -12,29 +12,29 @@ from pathlib import Path
 
 from rich.console import Console
 
-from generator.choice.folder import checked_selection, require_writable
-from generator.choice.job import STEPS
-from generator.cli.cluster import connected
-from generator.cli.interrupts import kept
-from generator.cli.session import RECORDED, ROOT, resolve_target, workbench
-from generator.cli.sweep_display import SweepDisplay, displayed, say_outcomes, say_verified
-from generator.errors import InputError
-from generator.places import cache_folder
-from generator.records.evidence import read_timings
-from generator.scenes.models import find_model
-from generator.scenes.scene import find_scene
-from generator.steppers.budgets import plan_for
-from generator.sweep.lab import Lab, LocalLab
-from generator.sweep.ledger import Ledger, new_run
-from generator.sweep.recheck import verify_choice
-from generator.sweep.selecting import write_choices
-from generator.sweep.space import Contest, parse_only
-from generator.sweep.station import Station
-from generator.sweep.store import ResultStore, default_store, opened, read_only
-from generator.sweep.sweep import USEFUL_MINUTES, Plan, explorations, require_spaces, run_sweep
-from generator.targets.host import read_host
-from generator.targets.target import Target
-from generator.variants.lane_numbers import widths_for
+from ..choice.folder import checked_selection, require_writable
+from ..choice.job import STEPS
+from ..errors import InputError
+from ..evidence.records.evidence import read_timings
+from ..impacts.ball_ball.models import find_model
+from ..impacts.ball_ball.scene import find_scene
+from ..places import cache_folder
+from ..registry.lane_numbers import widths_for
+from ..steppers.exact.budgets import plan_for
+from ..sweep.lab import Lab, LocalLab
+from ..sweep.ledger import Ledger, new_run
+from ..sweep.recheck import verify_choice
+from ..sweep.selecting import write_choices
+from ..sweep.space import Contest, parse_only
+from ..sweep.station import Station
+from ..sweep.store import ResultStore, default_store, opened, read_only
+from ..sweep.sweep import USEFUL_MINUTES, Plan, explorations, require_spaces, run_sweep
+from ..targets.host import read_host
+from ..targets.target import Target
+from .cluster import connected
+from .interrupts import kept
+from .session import RECORDED, ROOT, resolve_target, workbench
+from .sweep_display import SweepDisplay, displayed, say_outcomes, say_verified
 
 
 @dataclass(frozen=True)
@@ -231,7 +231,7 @@ def _lab(asked: Asked, target: Target, model: str) -> Iterator[Lab]:
             yield LocalLab(station, target)
             return
         with connected(asked.scheduler) as client:
-            from generator.sweep.cluster import ClusterLab
+            from ..sweep.cluster import ClusterLab
 
             lab = ClusterLab(client, station, target, asked.wait)
             yield lab

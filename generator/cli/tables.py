@@ -5,15 +5,15 @@ from __future__ import annotations
 from rich.console import Console
 from rich.table import Table
 
-from generator.scenes.models import MODELS
-from generator.scenes.scene import scenes
-from generator.targets.host import read_host
-from generator.targets.target import Target, targets
-from generator.toolchain.compilers import compilers_for, emulator_for
-from generator.variants.axes import AXES
-from generator.variants.lanes import INSTRUCTION_SETS, Precision
-from generator.variants.presets import PRESETS
-from generator.variants.rules import RULES
+from ..impacts.ball_ball.models import MODELS
+from ..impacts.ball_ball.scene import scenes
+from ..registry.axes import AXES
+from ..registry.lanes import INSTRUCTION_SETS, Precision
+from ..registry.presets import PRESETS
+from ..registry.rules import RULES
+from ..targets.host import read_host
+from ..targets.target import Target, targets
+from ..toolchain.compilers import compilers_for, emulator_for
 
 
 def show_tables(what: str) -> None:

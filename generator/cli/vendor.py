@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from generator.errors import InputError
+from ..errors import InputError
 
 if TYPE_CHECKING:  # the rest is imported when the command runs: --help shall not wait for it
-    from generator.choice.selection import Selected
-    from generator.vendoring.kernels import Places, TargetKernels
-    from generator.vendoring.request import VendorRequest
+    from ..choice.selection import Selected
+    from ..vendoring.kernels import Places, TargetKernels
+    from ..vendoring.request import VendorRequest
 
 
 @click.command()
@@ -53,8 +53,8 @@ def vendor(
     verify: Path | None,
 ) -> int:
     """Write chosen kernels as a folder that builds alone, or verify such a folder."""
-    from generator.choice.lookup import Goal
-    from generator.vendoring.request import checked_targets, make_request
+    from ..choice.lookup import Goal
+    from ..vendoring.request import checked_targets, make_request
 
     context = click.get_current_context()
     if verify is not None:
@@ -78,7 +78,7 @@ def vendor(
 
 def _native(names: str) -> str:
     """This machine's target, where it is asked for."""
-    from generator.cli.session import resolve_target
+    from .session import resolve_target
 
     return resolve_target("native")[0].name if "native" in names.split(",") else ""
 
@@ -89,19 +89,19 @@ def _is_given(context: click.Context, name: str | None) -> bool:
 
 
 def _places() -> Places:
-    from generator.cli.session import ROOT
-    from generator.places import cache_folder
-    from generator.vendoring.kernels import Places
+    from ..places import cache_folder
+    from ..vendoring.kernels import Places
+    from .session import ROOT
 
     return Places(ROOT / "generated", cache_folder() / "selections")
 
 
 def _kernels(request: VendorRequest, target: str, seconds: float) -> TargetKernels:
     """The stored choice, else one made now, by the compilers of the target's architecture."""
-    from generator.cli.session import workbench
-    from generator.targets.host import read_host
-    from generator.targets.target import find_target
-    from generator.vendoring.kernels import kernels_for, stored_kernels
+    from ..targets.host import read_host
+    from ..targets.target import find_target
+    from ..vendoring.kernels import kernels_for, stored_kernels
+    from .session import workbench
 
     if (stored := stored_kernels(_places(), request, target)) is not None:
         return stored
@@ -111,9 +111,9 @@ def _kernels(request: VendorRequest, target: str, seconds: float) -> TargetKerne
 
 
 def _write(request: VendorRequest, out: Path, force: bool, seconds: float) -> int:
-    from generator.cli.session import workbench
-    from generator.vendoring.folder import require_replaceable, staged, write_files
-    from generator.vendoring.job import all_files
+    from ..vendoring.folder import require_replaceable, staged, write_files
+    from ..vendoring.job import all_files
+    from .session import workbench
 
     require_replaceable(out, edited_too=force)
     chosen = {name: _kernels(request, name, seconds) for name in request.targets}
@@ -137,9 +137,9 @@ def _line(entry: Selected) -> str:
 
 
 def _verify(folder: Path) -> int:
-    from generator.cli.session import workbench
-    from generator.vendoring.job import compare
-    from generator.vendoring.manifest import read_manifest
+    from ..vendoring.job import compare
+    from ..vendoring.manifest import read_manifest
+    from .session import workbench
 
     read_manifest(folder)
     with workbench() as bench:

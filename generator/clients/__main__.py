@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from generator.clients.kernel_set import TARGETS, WASM_TARGETS, write_kernel_set
-from generator.errors import InputError, KernelError
+from ..errors import InputError, KernelError
+from .kernel_set import TARGETS, WASM_TARGETS, write_kernel_set
 
 
 def main(arguments: list[str]) -> int:

@@ -12,18 +12,18 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.choice.candidates import default_lanes
-from generator.choice.lookup import Goal, default_kernel
-from generator.emission.client_file import client_file
-from generator.emission.isa import compiled_features
-from generator.emission.kernel_source import KernelSource, Naming, emit
-from generator.files import write_file
-from generator.scenes.models import MODELS
-from generator.scenes.scene import find_scene
-from generator.targets.target import Target, target_or_port
-from generator.variants.names import name_of, symbol_of
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Variant
+from ..choice.candidates import default_lanes
+from ..choice.lookup import Goal, default_kernel
+from ..emission.client_file import client_file
+from ..emission.kernel_source import KernelSource, Naming, emit
+from ..files import write_file
+from ..impacts.ball_ball.models import MODELS
+from ..impacts.ball_ball.scene import find_scene
+from ..lowering.isa import compiled_features
+from ..registry.names import name_of, symbol_of
+from ..registry.rules import broken_rule
+from ..registry.variant import Variant
+from ..targets.target import Target, target_or_port
 
 SCENE = "any"
 UNEQUAL, UNEQUAL_MODELS = "unequal", ("mathavan2014", "bottom_slip")  # pooltool: of equal balls

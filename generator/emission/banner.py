@@ -8,13 +8,13 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-from generator.emission.environment import rendered, templates_folder
+from .environment import rendered, templates_folder
 
 LICENCE = "MIT-0"
 _PACKAGE = Path(__file__).parents[1]
 # What shapes a text beside its templates. Scenes, targets and options are data of each kernel: a
 # new one changes no other kernel.
-SHAPING = ("mechanics", "steppers", "lowering", "emission")
+SHAPING = ("impacts", "tableaus", "lowering", "steppers", "emission")
 PINS = ("clang-format", "jinja2", "sympy")
 _PLACE = "@banner@"
 

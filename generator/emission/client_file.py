@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from generator.emission.banner import bannered
-from generator.emission.formatting import format_source
+from .banner import bannered
+from .formatting import format_source
 
 
 def client_file(name: str, command: str, data: Iterable[str], **shown: object) -> str:

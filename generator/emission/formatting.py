@@ -7,7 +7,7 @@ import sys
 from functools import lru_cache
 from pathlib import Path
 
-from generator.errors import KernelError
+from ..errors import KernelError
 
 STYLE = "{BasedOnStyle: Google, ColumnLimit: 100, SortIncludes: Never, ReflowComments: false}"
 

@@ -7,23 +7,10 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from generator.emission import isa
-from generator.emission.banner import bannered
-from generator.emission.environment import environment
-from generator.emission.exact_context import ExactContext, exact_context
-from generator.emission.fixed_step_lanes import FixedStepBatch, fixed_step_batch
-from generator.emission.formatting import format_source
-from generator.emission.lanes import LaneContext, lane_context
-from generator.errors import InputError
-from generator.lowering.collision_ends import CollisionEnds, at_zero
-from generator.lowering.counts import OperationCounts
-from generator.lowering.fixed_step_loops import Loop, LoopBuilder
-from generator.lowering.printer import number
-from generator.lowering.text_counts import operations_in
-from generator.mechanics.masses import masses_of
-from generator.mechanics.terms import MASS_RATIOS
-from generator.scenes.models import find_model
-from generator.scenes.scene import (
+from ..errors import InputError
+from ..impacts.ball_ball.masses import masses_of
+from ..impacts.ball_ball.models import find_model
+from ..impacts.ball_ball.scene import (
     ALCIATORE,
     TABLE_FRICTION,
     UNITS,
@@ -31,11 +18,24 @@ from generator.scenes.scene import (
     case_value,
     find_scene,
 )
-from generator.targets.target import Target, target_or_port
-from generator.variants.lane_numbers import precision_of
-from generator.variants.names import source_name_of
-from generator.variants.rules import require_legal
-from generator.variants.variant import Variant
+from ..impacts.ball_ball.terms import MASS_RATIOS
+from ..lowering import isa
+from ..lowering.collision_ends import CollisionEnds, at_zero
+from ..lowering.counts import OperationCounts
+from ..lowering.lanes import LaneContext, lane_context
+from ..lowering.printer import number
+from ..lowering.text_counts import operations_in
+from ..registry.lane_numbers import precision_of
+from ..registry.names import source_name_of
+from ..registry.rules import require_legal
+from ..registry.variant import Variant
+from ..steppers.exact.context import ExactContext, exact_context
+from ..steppers.fixed.batch import FixedStepBatch, fixed_step_batch
+from ..steppers.fixed.loops import Loop, LoopBuilder
+from ..targets.target import Target, target_or_port
+from .banner import bannered
+from .environment import environment
+from .formatting import format_source
 
 MEANINGS = {
     "R": "m, radius of both balls",

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from generator.lowering.printer import Fma
-from generator.lowering.statements import Assign
+from .printer import Fma
+from .statements import Assign
 
 DEEPEST = 3  # FMAs inside each other that stay one expression
 

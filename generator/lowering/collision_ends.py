@@ -10,15 +10,14 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from generator.lowering.counts import OperationCounts
-from generator.lowering.fixed_step import Part
-from generator.lowering.printer import ExpressionPrinter, number
-from generator.lowering.statements import Assign, lower
-from generator.mechanics import symbols as s
-from generator.mechanics.contact import lift_changes, slips, velocity_changes
-from generator.mechanics.masses import EQUAL, Masses, pressed_changes
-from generator.mechanics.terms import ContactTerms
-from generator.scenes.scene import Scene
+from ..impacts.ball_ball import symbols as s
+from ..impacts.ball_ball.contact import lift_changes, slips, velocity_changes
+from ..impacts.ball_ball.masses import EQUAL, Masses, pressed_changes
+from ..impacts.ball_ball.scene import Scene
+from ..impacts.ball_ball.terms import ContactTerms
+from .counts import OperationCounts
+from .printer import ExpressionPrinter, number
+from .statements import Assign, Part, lower
 
 KIND = "const double"
 VELOCITIES = (*s.V1, *s.V2, *s.O1, *s.O2)

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from generator.lowering.counts import OperationCounts
+from .counts import OperationCounts
 
 # Functions that a kernel may call, by how they print and what they count as.
 Sqrt = sp.Function("Sqrt", real=True)

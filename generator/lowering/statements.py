@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import sympy as sp
 
-from generator.lowering.counts import OperationCounts
-from generator.lowering.printer import ExpressionPrinter
+from .counts import OperationCounts
+from .printer import ExpressionPrinter
 
 
 @dataclass(frozen=True)
@@ -45,3 +46,14 @@ def lower(assignments: list[Assign], printer: ExpressionPrinter) -> Block:
         block.lines.append(f"{head}{printer.name_of(assignment.target)} = {text};{note}")
         block.counts = block.counts + counts
     return block
+
+
+@dataclass(frozen=True)
+class Part:
+    """Printed statements of one part and the operations that they take."""
+
+    lines: tuple[str, ...]
+    counts: OperationCounts
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.lines)

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.choice.verifying import Expected
-from generator.report.measured import WorstInput
-from generator.timing.bench_tool import BenchTool
-from generator.verification.errors import (
+from ..choice.verifying import Expected
+from ..evidence.timing.bench_tool import BenchTool
+from ..evidence.verification.errors import (
     CASE_COLUMNS,
     SLIPS,
     STATUS,
@@ -21,7 +20,8 @@ from generator.verification.errors import (
     errors_of,
     relative_speed,
 )
-from generator.verification.reference import OUTCOME_NAMES
+from ..evidence.verification.reference import OUTCOME_NAMES
+from .measured import WorstInput
 
 _SPIN_COLUMNS = [n for n, name in enumerate(OUTCOME_NAMES) if name.startswith("w")]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from generator.report.data import Chosen, PlainPoint
-from generator.report.measured import KernelFigures, Measured
-from generator.report.subjects import BASELINE, BEST, EULER, role_of_budget
-from generator.sweep.record import Final
+from ..sweep.record import Final
+from .data import Chosen, PlainPoint
+from .measured import KernelFigures, Measured
+from .subjects import BASELINE, BEST, EULER, role_of_budget
 
 
 def chosen_of(finals: Mapping[str, Final], measured: Measured | None) -> list[Chosen]:

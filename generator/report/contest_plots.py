@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from generator.report.contests import MORE_EXACT
-from generator.report.data import Contest, PlainPoint, Report, VariantPoint
-from generator.report.plots import COLOURS, LegendEntry, Plot, Point, nanoseconds, scatter
-from generator.report.subjects import BASELINE
-from generator.variants.axes import axis
+from ..registry.axes import axis
+from .contests import MORE_EXACT
+from .data import Contest, PlainPoint, Report, VariantPoint
+from .plots import COLOURS, LegendEntry, Plot, Point, nanoseconds, scatter
+from .subjects import BASELINE
 
 _COMPILERS = {"gcc": ("circle", "GCC"), "clang": ("square", "Clang, newest")}
 _COMPILERS |= {"clangold": ("triangle", "Clang, the system's")}

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from generator.report.data import Contest, Effect, SweepSummary, VariantPoint
-from generator.sweep.record import Final, Run, Trial
-from generator.timing.ratios import median_interval
-from generator.variants.axes import axis
+from ..evidence.timing.ratios import median_interval
+from ..registry.axes import axis
+from ..sweep.record import Final, Run, Trial
+from .data import Contest, Effect, SweepSummary, VariantPoint
 
 MORE_EXACT = 0.99  # a front goes on where an error is less by 1 %: last digits are not exactness
 EXACT, SCHEME = "the exact result", "the same scheme in long double"

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from generator.records.evidence import NEGLIGIBLE, Timings
-from generator.records.recipe import variant_of_recipe
-from generator.records.record import TimingRecord
-from generator.report.data import CpuCost
+from ..evidence.records.evidence import NEGLIGIBLE, Timings
+from ..evidence.records.recipe import variant_of_recipe
+from ..evidence.records.record import TimingRecord
+from .data import CpuCost
 
 
 def cpu_costs(timings: Timings, scene: str, model: str) -> list[CpuCost]:

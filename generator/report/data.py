@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from generator.report.measured import CallPoint, GrowthPoint
+from .measured import CallPoint, GrowthPoint
 
 SCHEMA = 1
 

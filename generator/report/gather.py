@@ -8,10 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from generator import __version__
-from generator.report import contests as from_trials
-from generator.report.chosen import chosen_of, points_of
-from generator.report.data import (
+from .. import __version__
+from ..evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
+from ..sweep.record import Final, Run, Trial
+from . import contests as from_trials
+from .chosen import chosen_of, points_of
+from .data import (
     Contest,
     CpuCost,
     GrowthFit,
@@ -26,10 +28,8 @@ from generator.report.data import (
     Sections,
     Worst,
 )
-from generator.report.measured import CallPoint, KernelFigures, Measured, sources_hash
-from generator.report.published import NOT_KNOWN, published_rows
-from generator.sweep.record import Final, Run, Trial
-from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
+from .measured import CallPoint, KernelFigures, Measured, sources_hash
+from .published import NOT_KNOWN, published_rows
 
 NOT_MEASURED = "not measured yet: ./gen report --measure"
 NO_RECORDS = "no CPU has records of it in timings/: ./gen results refresh"

@@ -7,27 +7,27 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from generator.choice.verifying import Expected
-from generator.choice.workbench import (
+from ..choice.verifying import Expected
+from ..choice.workbench import (
     TIMING_CASES,
     TIMING_SEED,
     VERIFY_RANDOM,
     VERIFY_SEED,
     Workbench,
 )
-from generator.errors import KernelError
-from generator.report.accuracy import accuracy_of, kinds_of
-from generator.report.measured import KernelFigures, KindFigures, Measured, sources_hash
-from generator.report.modelled import modelled
-from generator.report.profile import profile
-from generator.report.subjects import BASELINE, STEPS, Called, Subject
-from generator.report.times import Study, growth_of, time_all, time_calls, time_kinds
-from generator.scenes.scene import find_scene
-from generator.targets.host import Host
-from generator.targets.target import Target
-from generator.timing.ratios import control_band
-from generator.verification.errors import Array
-from generator.verification.scene_cases import cases_for_scene
+from ..errors import KernelError
+from ..evidence.timing.ratios import control_band
+from ..evidence.verification.errors import Array
+from ..evidence.verification.scene_cases import cases_for_scene
+from ..impacts.ball_ball.scene import find_scene
+from ..targets.host import Host
+from ..targets.target import Target
+from .accuracy import accuracy_of, kinds_of
+from .measured import KernelFigures, KindFigures, Measured, sources_hash
+from .modelled import modelled
+from .profile import profile
+from .subjects import BASELINE, STEPS, Called, Subject
+from .times import Study, growth_of, time_all, time_calls, time_kinds
 
 SAMPLE_SECONDS = 1.5
 PROFILED_CASES = 512  # of the timed ones

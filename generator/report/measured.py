@@ -13,12 +13,13 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from generator.errors import InputError
-from generator.files import write_file
-from generator.sweep.sources import SHAPING, hash_of_rooms
+from ..errors import InputError
+from ..files import write_file
+from ..sweep.sources import SHAPING, hash_of_rooms
 
 SCHEMA: Literal[2] = 2
-ROOMS = (*SHAPING, "verification", "profiling")  # what kernels, verdicts and counts follow from
+# What kernels, verdicts and counts follow from.
+ROOMS = (*SHAPING, "evidence/verification", "evidence/profiling")
 Source = Literal["hardware counters", "valgrind's simulation"]
 
 

@@ -7,18 +7,18 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, replace
 from typing import Any
 
-from generator.choice.modelling import modelled as replayed
-from generator.choice.store import key_of
-from generator.choice.workbench import Candidate, Workbench
-from generator.errors import InputError, KernelError
-from generator.report.measured import Modelled
-from generator.targets.host import Host
-from generator.targets.target import Target, targets
-from generator.toolchain.loops import marked_loops
-from generator.toolchain.mca import analyse, assembly_of, require_mca
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Variant
-from generator.verification.errors import Array
+from ..choice.modelling import modelled as replayed
+from ..choice.store import key_of
+from ..choice.workbench import Candidate, Workbench
+from ..errors import InputError, KernelError
+from ..evidence.verification.errors import Array
+from ..registry.rules import broken_rule
+from ..registry.variant import Variant
+from ..targets.host import Host
+from ..targets.target import Target, targets
+from ..toolchain.loops import marked_loops
+from ..toolchain.mca import analyse, assembly_of, require_mca
+from .measured import Modelled
 
 REPLAYED = 16  # collisions, of each kernel on each target
 _UNITS = 6  # of a CPU, the busiest ones

@@ -15,9 +15,9 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from generator.emission.environment import templates_folder
-from generator.report.data import Report
-from generator.report.pictures import plots_of
+from ..emission.environment import templates_folder
+from .data import Report
+from .pictures import plots_of
 
 SHOWN_VARIANTS = 250  # of each contest in the page's tables; all are in the data
 NOTHING = "\u2013"

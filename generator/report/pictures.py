@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from generator.profiling.sections import SECTIONS
-from generator.report.contest_plots import contest_plots
-from generator.report.data import Effect, Report
-from generator.report.plots import LegendEntry, Plot, Point, nanoseconds, scatter
-from generator.report.row_plots import Rows, ratio_rows, stacked_rows
-from generator.variants.axes import axis
+from ..evidence.profiling.sections import SECTIONS
+from ..registry.axes import axis
+from .contest_plots import contest_plots
+from .data import Effect, Report
+from .plots import LegendEntry, Plot, Point, nanoseconds, scatter
+from .row_plots import Rows, ratio_rows, stacked_rows
 
 FEWEST_PAIRS = 6  # with fewer, no interval of order statistics holds the median in 95 %
 

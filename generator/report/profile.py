@@ -7,21 +7,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from generator.choice.workbench import Candidate, Workbench
-from generator.emission.kernel_source import emit
-from generator.errors import KernelError
-from generator.profiling.counting import KINDS, Counted, count_operations
-from generator.profiling.misses import simulate_misses
-from generator.profiling.sampling import Sampled, sample
-from generator.report.measured import Counts, MissFigures, SectionShares
-from generator.targets.host import Host
-from generator.targets.target import Target, find_target
-from generator.toolchain.build import build_library
-from generator.toolchain.compilers import Compiler
-from generator.toolchain.flags import compile_flags
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Variant
-from generator.verification.errors import Array
+from ..choice.workbench import Candidate, Workbench
+from ..emission.kernel_source import emit
+from ..errors import KernelError
+from ..evidence.profiling.counting import KINDS, Counted, count_operations
+from ..evidence.profiling.misses import simulate_misses
+from ..evidence.profiling.sampling import Sampled, sample
+from ..evidence.verification.errors import Array
+from ..registry.rules import broken_rule
+from ..registry.variant import Variant
+from ..targets.host import Host
+from ..targets.target import Target, find_target
+from ..toolchain.build import build_library
+from ..toolchain.compilers import Compiler
+from ..toolchain.flags import compile_flags
+from .measured import Counts, MissFigures, SectionShares
 
 SIMULATED = ("x86-64-v3", "x86-64-v2")  # what valgrind can run, the first that it does run
 Made = TypeVar("Made")

@@ -4,10 +4,10 @@ architecture" (ETH): mean cycles over five cases, N = 1000, Ryzen 7 7735U. Nothi
 
 from __future__ import annotations
 
-from generator.report.data import PublishedRow
-from generator.report.measured import CallPoint, Measured
-from generator.report.subjects import BASELINE
-from generator.variants.presets import PAPER_PRESETS
+from ..registry.presets import PAPER_PRESETS
+from .data import PublishedRow
+from .measured import CallPoint, Measured
+from .subjects import BASELINE
 
 CPU = "Ryzen 7 7735U (Zen 3)"
 NUMBA_CYCLES = 129037

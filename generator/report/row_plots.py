@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from generator.report.plots import BOTTOM, TOP, WIDTH, LegendEntry, LogScale, Tick, short
+from .plots import BOTTOM, TOP, WIDTH, LegendEntry, LogScale, Tick, short
 
 ROW, BAR_LEFT, BAR_RIGHT = 26.0, 250.0, 20.0
 

@@ -6,16 +6,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.choice.candidates import baseline, paper_rows
-from generator.choice.lookup import Goal, kernel_for, with_compiler_found
-from generator.choice.selection import read_selection
-from generator.sweep.record import Final
-from generator.sweep.space import variant_of_subject
-from generator.targets.target import Target
-from generator.toolchain.compilers import Compiler
-from generator.variants.names import name_of, variant_of
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Stepper, Variant
+from ..choice.candidates import baseline, paper_rows
+from ..choice.lookup import Goal, kernel_for, with_compiler_found
+from ..choice.selection import read_selection
+from ..registry.names import name_of, variant_of
+from ..registry.rules import broken_rule
+from ..registry.variant import Stepper, Variant
+from ..sweep.record import Final
+from ..sweep.space import variant_of_subject
+from ..targets.target import Target
+from ..toolchain.compilers import Compiler
 
 STEPS = 1000
 BUDGETS = (1e-3, 1e-6, 1e-9)

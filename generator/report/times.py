@@ -7,20 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from generator.choice.verifying import Expected
-from generator.choice.workbench import Candidate, Workbench
-from generator.report.accuracy import Accuracy, accuracy_of, kinds_of
-from generator.report.measured import CallPoint, GrowthPoint, Timed
-from generator.report.profile import Profile
-from generator.report.subjects import BASELINE, EULER, Called, Subject
-from generator.scenes.scene import find_scene
-from generator.targets.target import Target
-from generator.timing.plan import PlannedKernel, TimingPlan
-from generator.timing.ratios import TimingRun, median_interval, timing_results
-from generator.variants.names import name_of
-from generator.variants.variant import Stepper
-from generator.verification.errors import Array
-from generator.verification.reference import load_reference
+from ..choice.verifying import Expected
+from ..choice.workbench import Candidate, Workbench
+from ..evidence.timing.plan import PlannedKernel, TimingPlan
+from ..evidence.timing.ratios import TimingRun, median_interval, timing_results
+from ..evidence.verification.errors import Array
+from ..evidence.verification.reference import load_reference
+from ..impacts.ball_ball.scene import find_scene
+from ..registry.names import name_of
+from ..registry.variant import Stepper
+from ..targets.target import Target
+from .accuracy import Accuracy, accuracy_of, kinds_of
+from .measured import CallPoint, GrowthPoint, Timed
+from .profile import Profile
+from .subjects import BASELINE, EULER, Called, Subject
 
 GROWTH = (10, 100, 1000, 10_000, 100_000)
 SLOW = 10_000  # from here on, errors over the reference alone and times in a plan of their own

@@ -1,1 +1,1 @@
-"""Steppers: Runge-Kutta tableaus in exact rationals, and what each error budget asks of them."""
+"""Steppers: how the impulse is stepped, lowered to the parts that templates lay out."""

@@ -15,12 +15,13 @@ from typing import Any
 from distributed import Client, Future, wait
 from distributed.scheduler import KilledWorker
 
-from generator.choice.workbench import Candidate
-from generator.errors import InputError, KernelError
-from generator.sweep.lab import StationLab
-from generator.sweep.record import Rejection
-from generator.sweep.station import Station, TimingJob
-from generator.sweep.worker import (
+from ..choice.workbench import Candidate
+from ..errors import InputError, KernelError
+from ..targets.target import Target
+from .lab import StationLab
+from .record import Rejection
+from .station import Station, TimingJob
+from .worker import (
     Built,
     Identity,
     Impostor,
@@ -30,7 +31,6 @@ from generator.sweep.worker import (
     resource_of,
     time_on_worker,
 )
-from generator.targets.target import Target
 
 BUILD_SHARE = 1 / 64
 _POLL = 0.5  # seconds between two looks at which workers there are

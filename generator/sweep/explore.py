@@ -7,20 +7,20 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from generator.choice.workbench import Candidate
-from generator.errors import EmissionError, KernelError
-from generator.sweep.figures import errors_of, times_of
-from generator.sweep.lab import Lab
-from generator.sweep.ladder import RUNGS, Entry, by_ratio, eligible, promoted
-from generator.sweep.ledger import Ledger
-from generator.sweep.record import Depends, Rejection, Trial
-from generator.sweep.search import Search
-from generator.sweep.sources import candidate_hash
-from generator.sweep.space import Contest
-from generator.sweep.station import BLOCK_MS, TimingJob, one_line, rejection_of
-from generator.timing.ratios import timing_run
-from generator.variants.names import name_of
-from generator.variants.variant import Variant
+from ..choice.workbench import Candidate
+from ..errors import EmissionError, KernelError
+from ..evidence.timing.ratios import timing_run
+from ..registry.names import name_of
+from ..registry.variant import Variant
+from .figures import errors_of, times_of
+from .lab import Lab
+from .ladder import RUNGS, Entry, by_ratio, eligible, promoted
+from .ledger import Ledger
+from .record import Depends, Rejection, Trial
+from .search import Search
+from .sources import candidate_hash
+from .space import Contest
+from .station import BLOCK_MS, TimingJob, one_line, rejection_of
 
 WAVE = 8
 _CANDIDATES = 256  # that are kept in memory, each with its text

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from generator.records.recipe import contest_of, recipe_of
-from generator.records.record import Basis, Cpu, TimingRecord
-from generator.sweep.ledger import identity
-from generator.sweep.record import Depends, Final, Run, Times, Trial
-from generator.sweep.space import variant_of_subject
-from generator.sweep.store import ResultStore
-from generator.targets.host import KNOWN_CPUS
+from ..evidence.records.recipe import contest_of, recipe_of
+from ..evidence.records.record import Basis, Cpu, TimingRecord
+from ..targets.host import KNOWN_CPUS
+from .ledger import identity
+from .record import Depends, Final, Run, Times, Trial
+from .space import variant_of_subject
+from .store import ResultStore
 
 
 @dataclass(frozen=True)

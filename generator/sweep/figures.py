@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from generator.choice.workbench import Candidate
-from generator.sweep.record import Errors, Times
-from generator.timing.ratios import TimingRun, control_band, timing_results
+from ..choice.workbench import Candidate
+from ..evidence.timing.ratios import TimingRun, control_band, timing_results
+from .record import Errors, Times
 
 _DIGITS = 5
 

@@ -12,17 +12,17 @@ from typing import Literal
 
 import numpy as np
 
-from generator.choice.workbench import Candidate
-from generator.errors import KernelError
-from generator.records.code import digest
-from generator.records.evidence import NEGLIGIBLE, WON
-from generator.sweep.explore import Exploration
-from generator.sweep.figures import errors_of, rounded, times_of
-from generator.sweep.ladder import RUNGS, Entry, finalists
-from generator.sweep.record import Final, Finalist
-from generator.sweep.sources import candidate_hash
-from generator.sweep.station import BLOCK_MS, TimingJob, rejection_of
-from generator.timing.ratios import Interval, TimingRun, control_band, joined, timing_run
+from ..choice.workbench import Candidate
+from ..errors import KernelError
+from ..evidence.records.code import digest
+from ..evidence.records.evidence import NEGLIGIBLE, WON
+from ..evidence.timing.ratios import Interval, TimingRun, control_band, joined, timing_run
+from .explore import Exploration
+from .figures import errors_of, rounded, times_of
+from .ladder import RUNGS, Entry, finalists
+from .record import Final, Finalist
+from .sources import candidate_hash
+from .station import BLOCK_MS, TimingJob, rejection_of
 
 PROCESSES = 6  # the range of six covers the median in 97 of 100
 FINAL_ROUNDS = 120  # in each

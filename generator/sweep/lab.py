@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, Protocol
 
-from generator.choice.workbench import Candidate
-from generator.sweep.record import Rejection
-from generator.sweep.station import Code, Rules, Station, TimingJob
-from generator.targets.target import Target
-from generator.variants.variant import Variant
+from ..choice.workbench import Candidate
+from ..registry.variant import Variant
+from ..targets.target import Target
+from .record import Rejection
+from .station import Code, Rules, Station, TimingJob
 
 
 class Lab(Protocol):

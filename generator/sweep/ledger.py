@@ -7,8 +7,9 @@ from collections import Counter
 from collections.abc import Mapping
 from datetime import UTC, datetime
 
-from generator.records.code import digest
-from generator.sweep.record import (
+from ..evidence.records.code import digest
+from ..registry.axes import axis
+from .record import (
     Depends,
     Final,
     Rejection,
@@ -17,8 +18,7 @@ from generator.sweep.record import (
     Trial,
     trial_key,
 )
-from generator.sweep.store import ResultStore
-from generator.variants.axes import axis
+from .store import ResultStore
 
 
 def now() -> str:
@@ -151,7 +151,7 @@ def new_run(
     cpuid: tuple[str, int, int] | None = None,
 ) -> Run:
     """The record of a run that begins now."""
-    from generator import __version__
+    from .. import __version__
 
     head = {"made_at": now(), "machine": platform.node(), "command": command, "seed": seed}
     body = {**head, "cpu": cpu, "target": target, "compilers": dict(compilers), "cpuid": cpuid}

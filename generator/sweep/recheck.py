@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from generator.errors import InputError
-from generator.sweep.explore import Exploration
-from generator.sweep.finals import hold, row_of
-from generator.sweep.ladder import Entry, by_ratio
-from generator.sweep.ledger import identity
-from generator.sweep.record import Final, Trial
-from generator.sweep.space import variant_of_subject
-from generator.sweep.store import ResultStore
+from ..errors import InputError
+from .explore import Exploration
+from .finals import hold, row_of
+from .ladder import Entry, by_ratio
+from .ledger import identity
+from .record import Final, Trial
+from .space import variant_of_subject
+from .store import ResultStore
 
 ROUNDS = 150  # in each process
 

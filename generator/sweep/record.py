@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
-from generator.records.code import digest
+from ..evidence.records.code import digest
 
 SCHEMA: Literal[1] = 1
 

@@ -8,15 +8,15 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 
-from generator.records.files import read_records, write_records
-from generator.sweep.explore import Observer
-from generator.sweep.exporting import exported
-from generator.sweep.lab import Lab
-from generator.sweep.ledger import Ledger
-from generator.sweep.record import Run
-from generator.sweep.space import Contest
-from generator.sweep.store import ResultStore
-from generator.sweep.sweep import Outcome, Plan, run_sweep
+from ..evidence.records.files import read_records, write_records
+from .explore import Observer
+from .exporting import exported
+from .lab import Lab
+from .ledger import Ledger
+from .record import Run
+from .space import Contest
+from .store import ResultStore
+from .sweep import Outcome, Plan, run_sweep
 
 LabOf = Callable[[str], AbstractContextManager[Lab]]  # by contact model
 RunOf = Callable[[Lab], Run]

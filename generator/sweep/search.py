@@ -11,9 +11,9 @@ from random import Random
 import numpy as np
 from numpy.typing import NDArray
 
-from generator.sweep.space import Space
-from generator.variants.names import name_of
-from generator.variants.variant import Variant
+from ..registry.names import name_of
+from ..registry.variant import Variant
+from .space import Space
 
 LEADERS = 5  # the best so far, all of whose neighbours are tried
 _RANDOM_SHARE = 6  # one in so many is drawn at random, against a search that sees only one valley

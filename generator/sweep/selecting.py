@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from generator.choice.folder import checked_selection, file_of, write_folder
-from generator.choice.selection import Selected, Selection
-from generator.sweep.finals import row_of
-from generator.sweep.record import Final
-from generator.sweep.space import variant_of_subject
-from generator.variants.names import name_of
+from ..choice.folder import checked_selection, file_of, write_folder
+from ..choice.selection import Selected, Selection
+from ..registry.names import name_of
+from .finals import row_of
+from .record import Final
+from .space import variant_of_subject
 
 
 def selected(final: Final) -> Selected:

@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
-from generator.choice.store import key_of
-from generator.choice.workbench import Candidate
-from generator.emission.environment import templates_folder
-from generator.records.code import compiled_hash
+from ..choice.store import key_of
+from ..choice.workbench import Candidate
+from ..emission.environment import templates_folder
+from ..evidence.records.code import compiled_hash
 
-SHAPING = ("mechanics", "scenes", "steppers", "targets", "variants", "lowering", "emission")
+SHAPING = ("impacts", "tableaus", "targets", "registry", "lowering", "steppers", "emission")
 
 
 def candidate_hash(candidate: Candidate) -> str:

@@ -8,14 +8,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from random import Random
 
-from generator.errors import InputError
-from generator.steppers.budgets import tableaus_for
-from generator.sweep.record import Call, Subject
-from generator.targets.target import Target
-from generator.variants.axes import AXES, Axis, axes_of
-from generator.variants.names import name_of
-from generator.variants.rules import Rule, broken_rule
-from generator.variants.variant import Stepper, Variant, make_variant
+from ..errors import InputError
+from ..registry.axes import AXES, Axis, axes_of
+from ..registry.names import name_of
+from ..registry.rules import Rule, broken_rule
+from ..registry.variant import Stepper, Variant, make_variant
+from ..steppers.exact.budgets import tableaus_for
+from ..targets.target import Target
+from .record import Call, Subject
 
 _FEW = 3000  # combinations that are all looked at before one is drawn
 _DRAWS = 20_000  # about a tenth of all combinations are legal

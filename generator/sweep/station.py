@@ -8,27 +8,27 @@ from typing import Any
 
 from filelock import FileLock
 
-from generator.choice.store import key_of
-from generator.choice.verifying import Expected
-from generator.choice.workbench import (
+from ..choice.store import key_of
+from ..choice.verifying import Expected
+from ..choice.workbench import (
     VERIFY_RANDOM,
     VERIFY_SEED,
     Candidate,
     Workbench,
     verification_hash,
 )
-from generator.errors import EmissionError, KernelCrash, KernelError, KernelTimeout
-from generator.files import write_file
-from generator.records.code import source_hash
-from generator.sweep.record import Rejection
-from generator.sweep.sources import emission_hash
-from generator.targets.host import Host, read_host
-from generator.targets.target import Target
-from generator.timing.bench_tool import CASE_COLUMNS
-from generator.timing.plan import Array, PlannedKernel, TimingPlan
-from generator.toolchain.flags import compile_flags
-from generator.variants.names import name_of, source_name_of
-from generator.variants.variant import Variant
+from ..errors import EmissionError, KernelCrash, KernelError, KernelTimeout
+from ..evidence.records.code import source_hash
+from ..evidence.timing.bench_tool import CASE_COLUMNS
+from ..evidence.timing.plan import Array, PlannedKernel, TimingPlan
+from ..files import write_file
+from ..registry.names import name_of, source_name_of
+from ..registry.variant import Variant
+from ..targets.host import Host, read_host
+from ..targets.target import Target
+from ..toolchain.flags import compile_flags
+from .record import Rejection
+from .sources import emission_hash
 
 BASELINE_STEPS = 1000
 KERNEL_TIMEOUT = 30.0  # seconds for a kernel over all cases; the slowest take half a second

@@ -8,30 +8,30 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from random import Random
 
-from generator.choice.batches import in_lanes_of
-from generator.choice.candidates import (
+from ..choice.batches import in_lanes_of
+from ..choice.candidates import (
     baseline,
     batch_candidates,
     exact_candidates,
     fixed_step_candidates,
 )
-from generator.choice.lookup import Goal, default_kernel
-from generator.choice.recorded import MORE
-from generator.choice.workbench import Candidate
-from generator.errors import InputError, KernelError
-from generator.records.evidence import Timings
-from generator.sweep.explore import Budget, Exploration, Observer
-from generator.sweep.finals import choose, row_of
-from generator.sweep.lab import Lab
-from generator.sweep.ledger import Ledger
-from generator.sweep.record import Final
-from generator.sweep.search import Search
-from generator.sweep.space import Contest, Space, variant_of_subject
-from generator.sweep.station import BASELINE_STEPS
-from generator.targets.target import Target
-from generator.variants.axes import axes_of
-from generator.variants.lane_numbers import widths_for
-from generator.variants.variant import Variant
+from ..choice.lookup import Goal, default_kernel
+from ..choice.recorded import MORE
+from ..choice.workbench import Candidate
+from ..errors import InputError, KernelError
+from ..evidence.records.evidence import Timings
+from ..registry.axes import axes_of
+from ..registry.lane_numbers import widths_for
+from ..registry.variant import Variant
+from ..targets.target import Target
+from .explore import Budget, Exploration, Observer
+from .finals import choose, row_of
+from .lab import Lab
+from .ledger import Ledger
+from .record import Final
+from .search import Search
+from .space import Contest, Space, variant_of_subject
+from .station import BASELINE_STEPS
 
 USEFUL_MINUTES = 1.0  # that a contest needs at least: its first candidates and their final
 FINAL_RESERVE = 60.0  # seconds of the budget kept for a contest's last wave and its final

@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-from generator.choice.workbench import Candidate, Workbench, verification_hash
-from generator.errors import KernelError
-from generator.places import cache_folder
-from generator.sweep.record import Rejection
-from generator.sweep.station import Station, TimingJob
-from generator.targets.host import read_host
-from generator.timing.bench_tool import build_bench_tool, source_hash
-from generator.toolchain.compilers import find_compilers
+from ..choice.workbench import Candidate, Workbench, verification_hash
+from ..errors import KernelError
+from ..evidence.timing.bench_tool import build_bench_tool, source_hash
+from ..places import cache_folder
+from ..targets.host import read_host
+from ..toolchain.compilers import find_compilers
+from .record import Rejection
+from .station import Station, TimingJob
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import platform
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.targets.target import Target, find_target, targets
+from .target import Target, find_target, targets
 
 CPUINFO = Path("/proc/cpuinfo")
 # Spellings of /proc/cpuinfo that differ from the compilers'.
@@ -107,7 +107,7 @@ def read_host(cpuinfo: str | None = None) -> Host:
     generic = [t for t in fits if t.generic] or fits
     best = max(generic, key=lambda t: len(t.features), default=None)
     if best is None:
-        from generator.errors import InputError
+        from ..errors import InputError
 
         raise InputError(f"--target native: {cpu} has no target here; name one with --target")
     return Host(cpu, features, best, False, *cpuid)

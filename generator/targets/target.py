@@ -8,7 +8,7 @@ from importlib import resources
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from generator.errors import InputError
+from ..errors import InputError
 
 # Relative, of the instructions that estimate a reciprocal square root: AVX-512's, SSE's, NEON's.
 RSQRT14_ERROR, RSQRTSS_ERROR, FRSQRTE_ERROR = 2.0**-14, 1.5 * 2.0**-12, 2.0**-8
@@ -92,7 +92,7 @@ def _inherit(name: str, rows: dict[str, TargetRow]) -> Target:
 
 
 def _shipped(name: str) -> dict[str, Target]:
-    source = resources.files("generator.targets") / name
+    source = resources.files(__package__) / name
     rows = load_rows(source.read_text(encoding="utf-8"), f"generator/targets/{name}")
     return {name: _inherit(name, rows) for name in rows}
 

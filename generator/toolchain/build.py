@@ -13,10 +13,10 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.errors import KernelError
-from generator.toolchain.compilers import Compiler
-from generator.toolchain.flags import LINK_FLAGS
-from generator.toolchain.process import require_space, run
+from ..errors import KernelError
+from .compilers import Compiler
+from .flags import LINK_FLAGS
+from .process import require_space, run
 
 TIMEOUT = 120.0  # seconds for one source file
 _FIXED = ("-fPIC", "-fvisibility=default")

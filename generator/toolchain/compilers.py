@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from generator.errors import KernelError
-from generator.targets.target import Target, targets
-from generator.toolchain.process import run
+from ..errors import KernelError
+from ..targets.target import Target, targets
+from .process import run
 
 _SUFFIXES = [f"-{major}" for major in range(29, 8, -1)] + [""]  # newest first
 _PACKAGES = {"gcc": "g++", "clang": "clang-19", "clangold": "clang"}

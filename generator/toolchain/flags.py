@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from generator.targets.target import Target
-from generator.toolchain.compilers import Compiler, march_flags
-from generator.variants.variant import Variant
+from ..registry.variant import Variant
+from ..targets.target import Target
+from .compilers import Compiler, march_flags
 
 # Both keep every value as IEEE 754 gives it: the first drops only the write to `errno` by sqrt (and
 # so the call to the library), the second only the promise about when exception flags are raised,

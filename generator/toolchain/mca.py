@@ -12,12 +12,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from generator.errors import KernelError
-from generator.targets.target import Target
-from generator.toolchain.compilers import Compiler
-from generator.toolchain.loops import Path as LoopPath
-from generator.toolchain.loops import marked_loops, marked_text
-from generator.toolchain.process import run
+from ..errors import KernelError
+from ..targets.target import Target
+from .compilers import Compiler
+from .loops import Path as LoopPath
+from .loops import marked_loops, marked_text
+from .process import run
 
 ITERATIONS = 100
 Region = dict[str, Any]  # of what llvm-mca prints as JSON

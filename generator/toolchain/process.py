@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.errors import InputError, KernelError, KernelTimeout
-from generator.files import write_file
-from generator.toolchain.reasons import reason_in
+from ..errors import InputError, KernelError, KernelTimeout
+from ..files import write_file
+from .reasons import reason_in
 
 _FULL = "No space left on device"
 

@@ -6,10 +6,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from generator.errors import KernelError
-from generator.targets.target import Target
-from generator.toolchain.dataflow import ATTRIBUTES, NEEDS_LLVM, explicit
-from generator.toolchain.mca import require_mca, run_mca
+from ..errors import KernelError
+from ..targets.target import Target
+from .dataflow import ATTRIBUTES, NEEDS_LLVM, explicit
+from .mca import require_mca, run_mca
 
 REPLAYED = 2  # figures of another way to replay are not reused
 _STRETCHES, _LENGTH = 8, 4_000  # of a longer run: as many stretches, so many instructions long

@@ -14,11 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.errors import KernelError
-from generator.toolchain.build import BuildJob
-from generator.toolchain.compilers import Compiler
-from generator.toolchain.loops import ARM_CONDITIONS
-from generator.toolchain.mca import assembly_of
+from ..errors import KernelError
+from .build import BuildJob
+from .compilers import Compiler
+from .loops import ARM_CONDITIONS
+from .mca import assembly_of
 
 MOST_BLOCKS = 1 << 22  # that one trace holds; 32 collisions in 1000 steps run some 600,000
 _LABEL = re.compile(r"^[.\w$@]+:")

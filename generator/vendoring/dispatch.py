@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from generator.emission.isa import compiled_features
-from generator.targets.host import KNOWN_CPUS, KnownCpu
-from generator.targets.target import Target, find_target, targets
-from generator.variants.names import symbol_of
-from generator.vendoring.request import VendorRequest
+from ..lowering.isa import compiled_features
+from ..registry.names import symbol_of
+from ..targets.host import KNOWN_CPUS, KnownCpu
+from ..targets.target import Target, find_target, targets
+from .request import VendorRequest
 
 X86, ARM = "x86_64", "aarch64"
 _GUARDS = {X86: "defined(__x86_64__)", ARM: "defined(__aarch64__)"}

@@ -12,9 +12,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.errors import InputError
-from generator.files import keep_rights
-from generator.vendoring.manifest import FILE, Manifest, read_manifest, sha256_of
+from ..errors import InputError
+from ..files import keep_rights
+from .manifest import FILE, Manifest, read_manifest, sha256_of
 
 _AT_FDCWD, _EXCHANGE = -100, 2  # of Linux's renameat2
 

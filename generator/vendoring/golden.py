@@ -11,11 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from generator.choice.lookup import Goal
-from generator.errors import KernelError
-from generator.scenes.scene import CASE_M1, PARAMETERS, Scene
-from generator.timing.bench_tool import BenchTool
-from generator.verification.errors import (
+from ..choice.lookup import Goal
+from ..errors import KernelError
+from ..evidence.timing.bench_tool import BenchTool
+from ..evidence.verification.errors import (
     SLIPS,
     STATUS,
     STICKS,
@@ -24,9 +23,10 @@ from generator.verification.errors import (
     errors_of,
     relative_speed,
 )
-from generator.verification.euler import TOLERANCE
-from generator.verification.reference import EULER_STEPS, load_reference
-from generator.verification.scene_cases import cases_for_scene
+from ..evidence.verification.euler import TOLERANCE
+from ..evidence.verification.reference import EULER_STEPS, load_reference
+from ..evidence.verification.scene_cases import cases_for_scene
+from ..impacts.ball_ball.scene import CASE_M1, PARAMETERS, Scene
 
 _TRIED = 3  # cases of each kind, until one fits
 # The end of a fixed-step loop is a comparison: a case is taken only where inputs moved by rounding

@@ -6,21 +6,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from generator.errors import InputError
-from generator.scenes.scene import find_scene
-from generator.timing.bench_tool import BenchTool
-from generator.vendoring.folder import HandChange, hand_changes
-from generator.vendoring.golden import golden_rows
-from generator.vendoring.kernels import Places, TargetKernels, stored_kernels
-from generator.vendoring.manifest import (
+from ..errors import InputError
+from ..evidence.timing.bench_tool import BenchTool
+from ..impacts.ball_ball.scene import find_scene
+from .folder import HandChange, hand_changes
+from .golden import golden_rows
+from .kernels import Places, TargetKernels, stored_kernels
+from .manifest import (
     FILE,
     Manifest,
     VendoredKernel,
     make_manifest,
     read_manifest,
 )
-from generator.vendoring.package import package_files, unit_file
-from generator.vendoring.request import VendorRequest
+from .package import package_files, unit_file
+from .request import VendorRequest
 
 
 @dataclass(frozen=True)

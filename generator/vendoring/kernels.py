@@ -11,20 +11,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from generator.choice.batches import batch_job
-from generator.choice.choose import found_errors, selected
-from generator.choice.folder import checked_selection, file_of
-from generator.choice.job import STEPS, exact_job, fixed_step_job, verify
-from generator.choice.lookup import Goal
-from generator.choice.selection import FILE, Selected, Selection, batch_rank
-from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Workbench
-from generator.errors import KernelError
-from generator.files import write_file
-from generator.targets.host import Host
-from generator.targets.target import Target, find_target
-from generator.variants.names import name_of, variant_of
-from generator.variants.variant import Stepper, Variant
-from generator.vendoring.request import VendorRequest
+from ..choice.batches import batch_job
+from ..choice.choose import found_errors, selected
+from ..choice.folder import checked_selection, file_of
+from ..choice.job import STEPS, exact_job, fixed_step_job, verify
+from ..choice.lookup import Goal
+from ..choice.selection import FILE, Selected, Selection, batch_rank
+from ..choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Workbench
+from ..errors import KernelError
+from ..files import write_file
+from ..registry.names import name_of, variant_of
+from ..registry.variant import Stepper, Variant
+from ..targets.host import Host
+from ..targets.target import Target, find_target
+from .request import VendorRequest
 
 
 @dataclass(frozen=True)

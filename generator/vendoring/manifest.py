@@ -16,15 +16,15 @@ from pydantic import (
     model_serializer,
 )
 
-from generator import __version__
-from generator.choice.lookup import Goal
-from generator.choice.selection import Selected
-from generator.choice.workbench import VERIFY_RANDOM, VERIFY_SEED
-from generator.emission.banner import LICENCE
-from generator.errors import InputError
-from generator.scenes.scene import find_scene
-from generator.vendoring.kernels import TargetKernels
-from generator.vendoring.request import VendorRequest, make_request
+from .. import __version__
+from ..choice.lookup import Goal
+from ..choice.selection import Selected
+from ..choice.workbench import VERIFY_RANDOM, VERIFY_SEED
+from ..emission.banner import LICENCE
+from ..errors import InputError
+from ..impacts.ball_ball.scene import find_scene
+from .kernels import TargetKernels
+from .request import VendorRequest, make_request
 
 FILE = "manifest.json"
 

@@ -6,20 +6,20 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from generator import __version__
-from generator.choice.selection import Selected
-from generator.emission.banner import bannered
-from generator.emission.environment import environment
-from generator.emission.formatting import format_source
-from generator.emission.kernel_source import Field, HeaderUse, Naming, emit, emit_header, fields_of
-from generator.scenes.models import find_model
-from generator.scenes.scene import Scene, find_scene
-from generator.toolchain.flags import STRICT
-from generator.variants.names import variant_of
-from generator.vendoring.dispatch import dispatch_context, guard_of, is_mixed, unit_of
-from generator.vendoring.golden import GoldenRow
-from generator.vendoring.kernels import TargetKernels
-from generator.vendoring.request import VendorRequest
+from .. import __version__
+from ..choice.selection import Selected
+from ..emission.banner import bannered
+from ..emission.environment import environment
+from ..emission.formatting import format_source
+from ..emission.kernel_source import Field, HeaderUse, Naming, emit, emit_header, fields_of
+from ..impacts.ball_ball.models import find_model
+from ..impacts.ball_ball.scene import Scene, find_scene
+from ..registry.names import variant_of
+from ..toolchain.flags import STRICT
+from .dispatch import dispatch_context, guard_of, is_mixed, unit_of
+from .golden import GoldenRow
+from .kernels import TargetKernels
+from .request import VendorRequest
 
 _MACRO = re.compile(r"^#define (\w+)", re.MULTILINE)
 

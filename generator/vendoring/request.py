@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from generator.choice.lookup import Goal
-from generator.errors import InputError
-from generator.scenes.models import find_model
-from generator.scenes.scene import Scene, find_scene
-from generator.steppers.budgets import plan_for
-from generator.targets.target import find_target
+from ..choice.lookup import Goal
+from ..errors import InputError
+from ..impacts.ball_ball.models import find_model
+from ..impacts.ball_ball.scene import Scene, find_scene
+from ..steppers.exact.budgets import plan_for
+from ..targets.target import find_target
 
 _PREFIX = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_PREFIX = 40

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.verification.errors import Array
+from generator.evidence.verification.errors import Array
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 PARAMETERS = (0.028575, 0.170097, 0.2, 0.25, 0.05, 0.93)  # R M u_s1 u_s2 u_b e_b

@@ -9,22 +9,22 @@ from pathlib import Path
 import numpy as np
 from kernels import EULER, build_all, compiler_of
 
-from generator.challenge.kept import hexfloats as hexfloats
-from generator.challenge.kept import keep as keep
-from generator.steppers.budgets import tableaus_for
+from generator.evidence.challenge.kept import hexfloats as hexfloats
+from generator.evidence.challenge.kept import keep as keep
+from generator.evidence.timing.bench_tool import BenchTool
+from generator.evidence.verification import hard_cases
+from generator.evidence.verification.errors import STATUS, Array, errors_of
+from generator.evidence.verification.floors import SPEEDS, nudged, rounding_of
+from generator.evidence.verification.hard_cases import FILE as FILE
+from generator.evidence.verification.reference import MODELS as MODELS
+from generator.registry.presets import find_preset
+from generator.registry.roots import COARSEST_FIRST, allows
+from generator.registry.rules import broken_rule
+from generator.registry.variant import Stepper, Variant, make_variant
+from generator.steppers.exact.budgets import tableaus_for
 from generator.targets.host import read_host
 from generator.targets.target import Target, find_target
-from generator.timing.bench_tool import BenchTool
 from generator.toolchain.build import BuiltLibrary
-from generator.variants.presets import find_preset
-from generator.variants.roots import COARSEST_FIRST, allows
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification import hard_cases
-from generator.verification.errors import STATUS, Array, errors_of
-from generator.verification.floors import SPEEDS, nudged, rounding_of
-from generator.verification.hard_cases import FILE as FILE
-from generator.verification.reference import MODELS as MODELS
 
 BUDGETS = (1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 COMPILERS = ("gcc", "clang")

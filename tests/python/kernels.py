@@ -11,19 +11,19 @@ import numpy as np
 
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import KernelError
+from generator.evidence.timing.bench_tool import ROOT, BenchTool, build_bench_tool
+from generator.evidence.verification.errors import Array
+from generator.evidence.verification.euler import euler_verdict
+from generator.evidence.verification.reference import MODELS, load_reference
+from generator.evidence.verification.worst_estimates import at_worst
+from generator.registry.axes import axes_of
+from generator.registry.names import name_of
+from generator.registry.rules import broken_rule
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.target import find_target
-from generator.timing.bench_tool import ROOT, BenchTool, build_bench_tool
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.compilers import Compiler, find_compilers
 from generator.toolchain.flags import compile_flags
-from generator.variants.axes import axes_of
-from generator.variants.names import name_of
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.errors import Array
-from generator.verification.euler import euler_verdict
-from generator.verification.reference import MODELS, load_reference
-from generator.verification.worst_estimates import at_worst
 
 EULER = Stepper("euler", steps=1000)
 WARNINGS = ("-Wall", "-Wextra", "-Werror")

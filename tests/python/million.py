@@ -37,13 +37,13 @@ from exact_kernels import (
 from kernels import bench_tool
 from oracle_cache import Chunk, chunks, expected_of
 
+from generator.evidence.timing.bench_tool import ROOT, BenchTool
+from generator.evidence.verification.reference import MODELS, load_reference
+from generator.registry.lane_numbers import float_lanes
+from generator.registry.names import name_of
+from generator.registry.variant import Variant
 from generator.targets.host import read_host
 from generator.targets.target import Target
-from generator.timing.bench_tool import ROOT, BenchTool
-from generator.variants.lane_numbers import float_lanes
-from generator.variants.names import name_of
-from generator.variants.variant import Variant
-from generator.verification.reference import MODELS, load_reference
 
 COUNT = 1_000_000
 REPORT = ROOT / "build" / "exact_errors.json"

@@ -27,20 +27,20 @@ from million import COUNT, hard_chunk, reference_chunk
 from oracle_cache import Chunk, chunks, expected_of
 
 from generator.choice.folder import checked_selection, folders
-from generator.emission.isa import estimates_in
 from generator.emission.kernel_source import KernelSource, emit
-from generator.scenes.scene import find_scene
+from generator.evidence.timing.bench_tool import ROOT, BenchTool
+from generator.evidence.verification.euler import euler_verdict
+from generator.evidence.verification.reference import MODELS
+from generator.evidence.verification.scene_cases import cases_for_scene
+from generator.evidence.verification.worst_estimates import PATTERNS, Pattern, at_worst
+from generator.impacts.ball_ball.scene import find_scene
+from generator.lowering.isa import estimates_in
+from generator.registry.names import name_of, variant_of
+from generator.registry.variant import Variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
-from generator.timing.bench_tool import ROOT, BenchTool
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.flags import compile_flags
-from generator.variants.names import name_of, variant_of
-from generator.variants.variant import Variant
-from generator.verification.euler import euler_verdict
-from generator.verification.reference import MODELS
-from generator.verification.scene_cases import cases_for_scene
-from generator.verification.worst_estimates import PATTERNS, Pattern, at_worst
 
 
 @dataclass

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.timing.bench_tool import EXPECTED_COLUMNS, ROOT, BenchTool
-from generator.verification.errors import Array
+from generator.evidence.timing.bench_tool import EXPECTED_COLUMNS, ROOT, BenchTool
+from generator.evidence.verification.errors import Array
 
 CACHE = ROOT / "build" / "cache" / "oracle"
 CHUNK = 50_000

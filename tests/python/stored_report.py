@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
-from generator.profiling.counting import KINDS
-from generator.profiling.sections import SECTIONS
+from generator.evidence.profiling.counting import KINDS
+from generator.evidence.profiling.sections import SECTIONS
+from generator.evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
+from generator.registry.names import name_of
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.report.measured import (
     CallPoint,
     Counts,
@@ -38,9 +41,6 @@ from generator.sweep.record import (
 from generator.sweep.space import Contest, Space
 from generator.sweep.store import opened
 from generator.targets.target import find_target
-from generator.variants.names import name_of
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.reference import CASE_NAMES, OUTCOME_NAMES
 
 SCENE, MODEL = "any", "mathavan2014"
 NS = 20_000.0  # of paper-initial

@@ -12,8 +12,12 @@ from typing import Any
 
 from generator.choice.workbench import Candidate
 from generator.emission.kernel_source import KernelSource
+from generator.evidence.records.code import source_hash
+from generator.evidence.verification.verdict import Verdict
 from generator.lowering.counts import OperationCounts
-from generator.records.code import source_hash
+from generator.registry.axes import axis
+from generator.registry.names import name_of, source_name_of
+from generator.registry.variant import Variant
 from generator.sweep.explore import Progress
 from generator.sweep.ledger import Ledger, new_run
 from generator.sweep.record import Rejection
@@ -24,10 +28,6 @@ from generator.sweep.sweep import Outcome, Plan, run_sweep
 from generator.targets.target import find_target
 from generator.toolchain.build import BuiltLibrary
 from generator.toolchain.compilers import Compiler
-from generator.variants.axes import axis
-from generator.variants.names import name_of, source_name_of
-from generator.variants.variant import Variant
-from generator.verification.verdict import Verdict
 
 ZEN3 = find_target("zen3")
 FIXED = Contest("zen3", "any", "pooltool", 1000, None, "scalar")

@@ -8,18 +8,18 @@ from generator.choice import batches, job
 from generator.choice.choose import Choice, selected
 from generator.choice.workbench import Candidate, Workbench
 from generator.emission.kernel_source import emit
+from generator.evidence.timing.emulated import EmulatedRunner, emulated_runner
+from generator.evidence.verification.euler import euler_verdict
+from generator.evidence.verification.exact import exact_verdict
+from generator.evidence.verification.reference import load_reference
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
-from generator.timing.emulated import EmulatedRunner, emulated_runner
 from generator.toolchain.build import BuildJob, build
 from generator.toolchain.compilers import compilers_for, emulator_for
 from generator.toolchain.flags import compile_flags
 from generator.toolchain.mca import find_mca
 from generator.toolchain.traces import instrumented, traced
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.euler import euler_verdict
-from generator.verification.exact import exact_verdict
-from generator.verification.reference import load_reference
 
 TARGET = find_target("neoverse-n1")
 COMPILERS = {c.code: c for c in compilers_for(TARGET)}

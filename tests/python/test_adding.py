@@ -9,14 +9,14 @@ import pytest
 from kernels import ROOT
 
 import generator.choice.candidates as candidates
+import generator.registry.presets as presets
 import generator.targets.host as host
 import generator.targets.target as target_room
-import generator.variants.presets as presets
 from generator.emission.kernel_source import emit
+from generator.registry.names import name_of, variant_of
+from generator.registry.presets import Preset, find_preset
+from generator.registry.variant import Stepper, make_variant
 from generator.targets.target import find_target, targets
-from generator.variants.names import name_of, variant_of
-from generator.variants.presets import Preset, find_preset
-from generator.variants.variant import Stepper, make_variant
 
 GUIDES = sorted((ROOT / "docs").glob("adding-a-*.md"))
 STEPPER = Stepper("euler", steps=1000)

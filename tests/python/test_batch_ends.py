@@ -6,14 +6,14 @@ from kernels import CACHE, WARNINGS, bench_tool, build_all, compiler_of
 
 from generator.emission.kernel_source import emit
 from generator.errors import KernelError
+from generator.evidence.verification.euler import euler_verdict
+from generator.evidence.verification.reference import load_reference
+from generator.registry.names import name_of
+from generator.registry.variant import Stepper, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.build import BuildJob, build_many
 from generator.toolchain.flags import compile_flags
-from generator.variants.names import name_of
-from generator.variants.variant import Stepper, make_variant
-from generator.verification.euler import euler_verdict
-from generator.verification.reference import load_reference
 
 MODEL = "mathavan2014"
 ROW = (0.028575, 0.170097, 0.2, 0.2, 0.0625, 1.0)  # R M u_s1 u_s2 u_b e_b

@@ -8,15 +8,15 @@ from kernels import bench_tool, build_all, expected_cases
 
 from generator.choice.modelling import lanes_in_flight
 from generator.errors import KernelError
+from generator.evidence.verification.errors import STATUS
+from generator.evidence.verification.euler import euler_verdict
+from generator.evidence.verification.reference import MODELS, load_reference
+from generator.evidence.verification.worst_estimates import PATTERNS
+from generator.registry.roots import allows_floats
+from generator.registry.rules import broken_rule
+from generator.registry.variant import Stepper, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
-from generator.variants.roots import allows_floats
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Stepper, make_variant
-from generator.verification.errors import STATUS
-from generator.verification.euler import euler_verdict
-from generator.verification.reference import MODELS, load_reference
-from generator.verification.worst_estimates import PATTERNS
 
 OK, SEPARATING, BAD_INPUT, TILTED = range(4)
 SCALAR = {

@@ -10,10 +10,10 @@ import pytest
 
 from generator.cli.case_table import read_case_table
 from generator.errors import InputError, KernelError
-from generator.timing.bench_tool import build_bench_tool
+from generator.evidence.timing.bench_tool import build_bench_tool
+from generator.evidence.verification.reference import FOLDER
 from generator.toolchain.process import Finished, require_space, run, run_checked
 from generator.toolchain.reasons import reason_in
-from generator.verification.reference import FOLDER
 
 LINES = (FOLDER / "inputs.csv").read_text("utf-8").splitlines()[:4]
 

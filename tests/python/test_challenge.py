@@ -11,22 +11,28 @@ import numpy as np
 import pytest
 from kernels import bench_tool
 
-from generator.challenge import rewind as rewinding
-from generator.challenge.balls import cases_of
-from generator.challenge.charts import Layout, States, draw_chart, places_of, states_of
-from generator.challenge.envelope import Envelope, envelope
-from generator.challenge.hunts import asymmetry, growth, jumps
-from generator.challenge.kept import csv_row, keep
-from generator.challenge.search import Limits, Subject, counts_as_over, errors_confirmed, search
 from generator.choice import sought
 from generator.choice.choose import Choice
 from generator.errors import KernelError
-from generator.scenes.scene import find_scene
-from generator.timing.bench_tool import ROOT
-from generator.verification.errors import Array
-from generator.verification.hard_cases import load_hard
-from generator.verification.reference import CASE_NAMES, MODELS
-from generator.verification.scene_cases import contact_slip
+from generator.evidence.challenge import rewind as rewinding
+from generator.evidence.challenge.balls import cases_of
+from generator.evidence.challenge.charts import Layout, States, draw_chart, places_of, states_of
+from generator.evidence.challenge.envelope import Envelope, envelope
+from generator.evidence.challenge.hunts import asymmetry, growth, jumps
+from generator.evidence.challenge.kept import csv_row, keep
+from generator.evidence.challenge.search import (
+    Limits,
+    Subject,
+    counts_as_over,
+    errors_confirmed,
+    search,
+)
+from generator.evidence.timing.bench_tool import ROOT
+from generator.evidence.verification.errors import Array
+from generator.evidence.verification.hard_cases import load_hard
+from generator.evidence.verification.reference import CASE_NAMES, MODELS
+from generator.evidence.verification.scene_cases import contact_slip
+from generator.impacts.ball_ball.scene import find_scene
 
 BUDGET = 1e-6
 FLAW = 5e-6  # of tests/python/planted.cpp

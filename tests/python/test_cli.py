@@ -25,19 +25,19 @@ from generator.cli.case_table import read_case_table
 from generator.cli.main import gen
 from generator.cli.main_table import preset_of
 from generator.errors import InputError
-from generator.scenes.scene import parse_scene
+from generator.evidence.verification.errors import OUTCOME_COLUMNS, STICKS
+from generator.evidence.verification.euler import euler_verdict
+from generator.evidence.verification.exact import exact_verdict
+from generator.evidence.verification.reference import FOLDER, OUTCOME_NAMES, load_reference
+from generator.evidence.verification.verdict import Verdict
+from generator.impacts.ball_ball.scene import parse_scene
+from generator.registry.lane_numbers import widths_for
+from generator.registry.names import name_of, variant_of
+from generator.registry.presets import find_preset
+from generator.registry.rules import broken_rule
+from generator.registry.variant import Variant
 from generator.targets.target import find_target, load_rows, targets
 from generator.toolchain.compilers import find_compilers
-from generator.variants.lane_numbers import widths_for
-from generator.variants.names import name_of, variant_of
-from generator.variants.presets import find_preset
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Variant
-from generator.verification.errors import OUTCOME_COLUMNS, STICKS
-from generator.verification.euler import euler_verdict
-from generator.verification.exact import exact_verdict
-from generator.verification.reference import FOLDER, OUTCOME_NAMES, load_reference
-from generator.verification.verdict import Verdict
 
 FIXED_STEP = "zen3.any.pooltool.euler.n1000.x1." + ".".join(
     ("reduced.named.factored.chain.ahead", "early.fma.chosen.onestage.scalar")

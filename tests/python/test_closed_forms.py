@@ -11,8 +11,8 @@ import pytest
 from exact_kernels import MODELS, M, R, built, exact_variant, hexfloats, shot
 from kernels import bench_tool
 
-from generator.timing.bench_tool import BenchTool
-from generator.verification.errors import STATUS, Array, errors_of, relative_speed
+from generator.evidence.timing.bench_tool import BenchTool
+from generator.evidence.verification.errors import STATUS, Array, errors_of, relative_speed
 
 BOTTOM = ("mathavan2014", "bottom_slip")
 ORACLE = 0.0  # in place of a budget

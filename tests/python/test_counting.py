@@ -12,17 +12,17 @@ from generator.choice.folder import folders
 from generator.choice.selection import read_selection
 from generator.emission.kernel_source import emit
 from generator.errors import KernelError
+from generator.evidence.profiling.counting import KINDS, count_operations, instrumented
+from generator.evidence.verification.reference import load_reference
+from generator.evidence.verification.scene_cases import cases_for_scene
+from generator.impacts.ball_ball.scene import find_scene
 from generator.lowering.counts import OperationCounts
-from generator.profiling.counting import KINDS, count_operations, instrumented
-from generator.scenes.scene import find_scene
+from generator.registry.names import name_of, variant_of
+from generator.registry.presets import PRESETS, find_preset
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
-from generator.variants.names import name_of, variant_of
-from generator.variants.presets import PRESETS, find_preset
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.reference import load_reference
-from generator.verification.scene_cases import cases_for_scene
 
 EULER = Stepper("euler", steps=1000)
 ROOT = Path(__file__).parents[2]

@@ -21,9 +21,9 @@ from exact_kernels import (
 )
 from kernels import bench_tool
 
-from generator.timing.bench_tool import BenchTool
-from generator.verification.errors import STATUS, Array
-from generator.verification.reference import CASE_NAMES, load_reference
+from generator.evidence.timing.bench_tool import BenchTool
+from generator.evidence.verification.errors import STATUS, Array
+from generator.evidence.verification.reference import CASE_NAMES, load_reference
 
 OK, SEPARATING, BAD_INPUT, TILTED = range(4)
 FAST, LONG = 20_000, 1_000_000

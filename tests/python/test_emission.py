@@ -21,15 +21,15 @@ from generator.emission.banner import _generator, inputs_hash
 from generator.emission.environment import environment, templates_folder
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
-from generator.scenes.scene import find_scene, scenes
+from generator.evidence.verification.reference import MODELS
+from generator.impacts.ball_ball.scene import find_scene, scenes
+from generator.registry.lane_numbers import precision_of
+from generator.registry.lanes import widths_of
+from generator.registry.names import name_of, variant_named, variant_of
+from generator.registry.presets import find_preset
+from generator.registry.rules import require_legal
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
-from generator.variants.lane_numbers import precision_of
-from generator.variants.lanes import widths_of
-from generator.variants.names import name_of, variant_named, variant_of
-from generator.variants.presets import find_preset
-from generator.variants.rules import require_legal
-from generator.verification.reference import MODELS
 
 COMPILERS = [c.path for c in find_compilers()]
 GENERATED = sorted((ROOT / "generated").glob("[!n]*/*/*.cpp"))
@@ -43,7 +43,7 @@ import sys
 from generator.emission.banner import _generator, inputs_hash
 from generator.emission.environment import environment, templates_folder
 from generator.emission.kernel_source import emit
-from generator.variants.names import variant_of
+from generator.registry.names import variant_of
 for name in sys.stdin.read().split():
     source = emit(variant_of(name))
     sys.stdout.write(source.header + source.source + source.probe)

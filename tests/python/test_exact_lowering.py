@@ -12,16 +12,16 @@ import sympy as sp
 
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import InputError
+from generator.evidence.verification.reference import MODELS
+from generator.impacts.ball_ball import scene as scene_module
+from generator.impacts.ball_ball.models import find_model
+from generator.impacts.ball_ball.scene import parse_scene
 from generator.lowering.chains import DEEPEST, unfolded
-from generator.lowering.exact_step import ExactLowering
 from generator.lowering.printer import ExpressionPrinter, Fma, Plus, decimal_product
 from generator.lowering.statements import Assign, lower
-from generator.scenes import scene as scene_module
-from generator.scenes.models import find_model
-from generator.scenes.scene import parse_scene
-from generator.steppers.tableaus import TABLEAUS, Tableau
-from generator.variants.names import variant_of
-from generator.verification.reference import MODELS
+from generator.registry.names import variant_of
+from generator.steppers.exact.step import ExactLowering
+from generator.tableaus.tableaus import TABLEAUS, Tableau
 
 TERMS = find_model("mathavan2014").terms
 A, B = sp.symbols("a b", real=True)

@@ -23,10 +23,10 @@ from kernels import bench_tool
 from million import COUNT, hard_chunk, in_floats, prove_all, reference_chunk
 from oracle_cache import Chunk, expected_of
 
-from generator.timing.bench_tool import BenchTool
-from generator.variants.names import name_of
-from generator.verification.errors import STICKS, approach_speed, errors_of
-from generator.verification.reference import load_reference
+from generator.evidence.timing.bench_tool import BenchTool
+from generator.evidence.verification.errors import STICKS, approach_speed, errors_of
+from generator.evidence.verification.reference import load_reference
+from generator.registry.names import name_of
 
 RANDOM = 3000
 SEED = 4711

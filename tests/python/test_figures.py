@@ -9,9 +9,9 @@ import pytest
 from click.testing import CliRunner
 
 from generator.cli.main import gen
-from generator.figures.speed_error import Measured, Point, measured_of, pareto_front
-from generator.figures.speed_error_svg import draw
-from generator.timing.bench_tool import ROOT
+from generator.evidence.timing.bench_tool import ROOT
+from generator.report.figures.speed_error import Measured, Point, measured_of, pareto_front
+from generator.report.figures.speed_error_svg import draw
 
 DATA = ROOT / "docs" / "speed_against_error.json"
 PICTURE = DATA.with_suffix(".svg")

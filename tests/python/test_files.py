@@ -16,10 +16,10 @@ from installed import ROOT
 
 from generator.cli.main import gen
 from generator.errors import InputError
+from generator.evidence.verification.reference import FOLDER
 from generator.files import require_place, write_file
 from generator.sweep.store import opened
 from generator.vendoring.folder import require_replaceable, staged, write_files
-from generator.verification.reference import FOLDER
 
 AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root makes devices and gives owners")
 NOBODY = 65534

@@ -13,7 +13,7 @@ from exact_kernels import MODELS, exact_variant, portable_target
 from kernels import bench_tool, compiler_of
 
 from generator.emission.kernel_source import emit
-from generator.profiling.counting import count_operations
+from generator.evidence.profiling.counting import count_operations
 from generator.toolchain.flags import compile_flags
 
 SEED, EACH, MIXED = 33, 512, 4096

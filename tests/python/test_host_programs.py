@@ -14,13 +14,13 @@ from kernels import bench_tool
 from test_batches import EXACT, FLOATS, KERNELS, _built, _mathavan
 
 from generator.emission.kernel_source import emit
+from generator.evidence.timing.bench_tool import ROOT
+from generator.evidence.verification.reference import load_reference
+from generator.registry.rules import MOST_UNOPTIMISED, broken_rule, unoptimised_stack
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
-from generator.timing.bench_tool import ROOT
 from generator.toolchain.compilers import find_compilers
-from generator.variants.rules import MOST_UNOPTIMISED, broken_rule, unoptimised_stack
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.reference import load_reference
 
 MOST_STACK = {"-O3": 32 << 10, "-O0": MOST_UNOPTIMISED}  # bytes of a function: carom.h promises it
 MOST_OF_A_BATCH = 112 << 10  # and this

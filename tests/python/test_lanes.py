@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from generator.emission import isa
 from generator.emission.environment import environment
-from generator.emission.lanes import LaneContext, lane_context
+from generator.lowering import isa
+from generator.lowering.lanes import LaneContext, lane_context
 from generator.targets.host import read_host
 from generator.targets.target import Target, target_or_port
 from generator.toolchain.compilers import compilers_for, emulator_for, march_flags

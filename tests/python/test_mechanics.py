@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
+from generator.impacts.ball_ball import symbols as s
+from generator.impacts.ball_ball.contact import lift_changes, slips, velocity_changes
+from generator.impacts.ball_ball.models import MODELS, find_model
+from generator.impacts.ball_ball.reduced import DELTAS, recovery, recovery_both, reduced_system
+from generator.impacts.ball_ball.terms import ContactTerms
 from generator.lowering.printer import Divide, ExpressionPrinter, number
 from generator.lowering.statements import Assign, lower
-from generator.mechanics import symbols as s
-from generator.mechanics.contact import lift_changes, slips, velocity_changes
-from generator.mechanics.reduced import DELTAS, recovery, recovery_both, reduced_system
-from generator.mechanics.terms import ContactTerms
-from generator.scenes.models import MODELS, find_model
 
 HALF = sp.Rational(1, 2)
 EQUAL = {s.BETA1: 1, s.BETA2: 1}

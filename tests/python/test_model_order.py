@@ -21,12 +21,12 @@ from generator.choice.candidates import batch_candidates, exact_candidates, fixe
 from generator.choice.model_error import MODEL_ERROR, model_band
 from generator.choice.modelling import model_all
 from generator.choice.workbench import Workbench
-from generator.records.evidence import Timings, key_of_kernel, read_timings
+from generator.evidence.records.evidence import Timings, key_of_kernel, read_timings
+from generator.registry.variant import Variant, budget_of
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
 from generator.toolchain.mca import find_mca
-from generator.variants.variant import Variant, budget_of
 
 WORST = 1.10  # of the fastest recorded may the kernel take that the model picks
 NEAR = 1.25  # kernels that matter for a choice

@@ -13,7 +13,7 @@ import pytest
 from exact_kernels import built, exact_variant, fixed_step_variant
 from kernels import bench_tool
 
-from generator.verification.errors import Array
+from generator.evidence.verification.errors import Array
 
 R, M, E_B, U_B, U_S = 0.02625, 0.1406, 0.89, 0.05, 0.21
 STEPS = 5000

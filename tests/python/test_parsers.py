@@ -11,9 +11,9 @@ from kernels import ROOT
 
 from generator.cli.case_table import read_case_table
 from generator.errors import InputError
-from generator.scenes.scene import parse_scene
+from generator.impacts.ball_ball.scene import parse_scene
+from generator.registry.names import name_of, variant_of
 from generator.targets.target import load_rows
-from generator.variants.names import name_of, variant_of
 
 SCENE = (ROOT / "generator" / "scenes" / "pool.toml").read_text("utf-8")
 TARGETS = (ROOT / "generator" / "targets" / "targets.toml").read_text("utf-8")

@@ -10,18 +10,18 @@ from kernels import CACHE, bench_tool, compiler_of
 
 from generator.choice.modelling import frame_cycles
 from generator.emission.kernel_source import KernelSource, emit
-from generator.profiling.misses import own_costs, simulate_misses
-from generator.profiling.passes import steps_a_collision
-from generator.profiling.sampling import sample
-from generator.profiling.sections import SECTIONS, sections_of
+from generator.evidence.profiling.misses import own_costs, simulate_misses
+from generator.evidence.profiling.passes import steps_a_collision
+from generator.evidence.profiling.sampling import sample
+from generator.evidence.profiling.sections import SECTIONS, sections_of
+from generator.registry.presets import find_preset
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.build import build_library
 from generator.toolchain.flags import compile_flags
 from generator.toolchain.loops import marked_loops
 from generator.toolchain.mca import analyse, assembly_of, find_mca
-from generator.variants.presets import find_preset
-from generator.variants.variant import Stepper, Variant, make_variant
 
 EULER = Stepper("euler", steps=1000)
 

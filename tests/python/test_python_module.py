@@ -13,14 +13,14 @@ from installed import ROOT, carom, run, site
 from kernels import bench_tool
 
 from generator.clients.kernel_set import BUDGETS, STEPS, TARGETS, UNEQUAL, UNEQUAL_MODELS
-from generator.scenes.models import MODELS
-from generator.scenes.scene import CASE_M1, find_scene
+from generator.evidence.verification.errors import OUTCOME_COLUMNS, errors_of
+from generator.evidence.verification.euler import euler_verdict
+from generator.evidence.verification.reference import load_reference
+from generator.evidence.verification.scene_cases import cases_for_scene
+from generator.impacts.ball_ball.models import MODELS
+from generator.impacts.ball_ball.scene import CASE_M1, find_scene
 from generator.targets.host import read_host
 from generator.targets.target import find_target
-from generator.verification.errors import OUTCOME_COLUMNS, errors_of
-from generator.verification.euler import euler_verdict
-from generator.verification.reference import load_reference
-from generator.verification.scene_cases import cases_for_scene
 
 RUNNABLE = [name for name in TARGETS if read_host().runs(find_target(name))]
 NAMES = [model.name for model in MODELS]

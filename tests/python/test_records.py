@@ -19,15 +19,15 @@ from generator.choice.recorded import choose_elsewhere
 from generator.choice.selection import Selection
 from generator.choice.workbench import Candidate
 from generator.cli.main import gen
-from generator.records.evidence import Found, key_of_kernel, read_timings, timings_of, told
-from generator.records.files import read_records, timings_path, union, write_records
-from generator.records.recipe import contest_of, recipe_of, variant_of_recipe
+from generator.evidence.records.evidence import Found, key_of_kernel, read_timings, timings_of, told
+from generator.evidence.records.files import read_records, timings_path, union, write_records
+from generator.evidence.records.recipe import contest_of, recipe_of, variant_of_recipe
+from generator.evidence.verification.verdict import Verdict
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.report.cpus import cpu_costs
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.replay import Modelled
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.verdict import Verdict
 
 ROOT = Path(__file__).parents[2]
 CODES = ("gcc", "clang", "clangold")

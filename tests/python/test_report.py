@@ -22,6 +22,10 @@ import generator.cli.session as session
 import generator.places as places
 from generator.cli.case_table import read_case_table
 from generator.cli.main import gen
+from generator.evidence.verification.reference import CASE_NAMES, load_reference
+from generator.registry.names import variant_of
+from generator.registry.presets import PAPER_PRESETS
+from generator.registry.variant import Stepper, make_variant
 from generator.report.accuracy import kinds_of
 from generator.report.contests import contests_of, effects_of, latest, summary_of
 from generator.report.data import Effect
@@ -34,10 +38,6 @@ from generator.report.published import NUMBA_CYCLES
 from generator.report.subjects import BASELINE, BEST, EULER, Subject, calls, last_finals
 from generator.sweep.record import Final, Trial
 from generator.sweep.store import read_only
-from generator.variants.names import variant_of
-from generator.variants.presets import PAPER_PRESETS
-from generator.variants.variant import Stepper, make_variant
-from generator.verification.reference import CASE_NAMES, load_reference
 
 TARGET = "zen3"
 VARIANTS = 1500  # about what a default sweep tries

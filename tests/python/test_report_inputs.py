@@ -11,15 +11,15 @@ from sweep_lab import EXACT, FakeLab, plan, swept
 
 from generator.choice.verifying import HardCases
 from generator.choice.workbench import Candidate, Expected
+from generator.evidence.timing.plan import TimingPlan
+from generator.evidence.verification.verdict import Verdict
+from generator.registry.variant import Stepper, make_variant
 from generator.report.measured import ROOMS
 from generator.report.subjects import Called, last_finals
 from generator.report.times import time_calls
 from generator.sweep.store import opened
 from generator.targets.target import find_target
-from generator.timing.plan import TimingPlan
 from generator.toolchain.build import BuiltLibrary
-from generator.variants.variant import Stepper, make_variant
-from generator.verification.verdict import Verdict
 
 
 def test_a_re_timing_does_not_take_the_place_of_the_choice(tmp_path: Path) -> None:

@@ -11,15 +11,15 @@ from vendored import EXACT, PAIRS, compiled, ran, request_for, vendored
 
 from generator.choice.candidates import batch_candidates, exact_candidates
 from generator.choice.lookup import Goal
-from generator.emission.isa import estimates_in
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
-from generator.scenes.scene import parse_scene
+from generator.evidence.verification.reference import load_reference
+from generator.impacts.ball_ball.scene import parse_scene
+from generator.lowering.isa import estimates_in
+from generator.registry.roots import is_reproducible
 from generator.targets.target import find_target, targets
-from generator.variants.roots import is_reproducible
 from generator.vendoring.job import compare
 from generator.vendoring.kernels import Places
-from generator.verification.reference import load_reference
 
 # Of three makers' kinds; both have AVX2 and FMA, and cpuid tells them apart.
 CPUS = ("Haswell", "EPYC")
@@ -139,7 +139,7 @@ def test_what_cannot_be_reproducible_is_refused_in_a_line(monkeypatch):
 
 def test_the_command_takes_the_option(tmp_path):
     words = ["./gen", "vendor", "--target", "x86-64-v2,zen3", "--reproducible", "--out", tmp_path]
-    from generator.timing.bench_tool import ROOT
+    from generator.evidence.timing.bench_tool import ROOT
 
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2 and "round differently" in done.stderr

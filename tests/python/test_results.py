@@ -13,7 +13,7 @@ from sweep_lab import BATCH, EXACT, FIXED, FakeLab, plan, swept
 from test_sweep_kills import HERE, run_and_kill
 
 from generator.cli.main import gen
-from generator.records.files import read_records, timings_path
+from generator.evidence.records.files import read_records, timings_path
 from generator.sweep.exporting import exported
 from generator.sweep.record import Trial
 from generator.sweep.store import opened, read_only

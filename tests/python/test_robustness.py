@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from kernels import build_all, variant
 
+from generator.evidence.verification.reference import MODELS, load_reference
+from generator.registry.presets import find_preset
 from generator.toolchain.build import BuiltLibrary
-from generator.variants.presets import find_preset
-from generator.verification.reference import MODELS, load_reference
 
 OK, SEPARATING, BAD_INPUT, TILTED = range(4)
 R, M = 0.028575, 0.170097

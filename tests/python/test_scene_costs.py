@@ -9,7 +9,7 @@ from kernels import CACHE, bench_tool
 
 from generator.choice.workbench import Workbench
 from generator.cli.main import gen
-from generator.figures.scene_costs import SceneCost, scene_costs
+from generator.report.figures.scene_costs import SceneCost, scene_costs
 from generator.toolchain.compilers import find_compilers
 
 # Largest shares of the operations and of the time of `any` (a noisy machine's, so with room).

@@ -17,27 +17,27 @@ from kernels import CACHE, EULER, WARNINGS, bench_tool, compiler_of
 from generator.choice.candidates import baseline, exact_candidates
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import InputError, KernelError
-from generator.mechanics import symbols as s
-from generator.mechanics.masses import masses_of, pressed_changes
-from generator.mechanics.reduced import reduced_system
-from generator.mechanics.terms import MASS_RATIOS
-from generator.scenes import scene as scene_module
-from generator.scenes.models import MODELS
-from generator.scenes.scene import CASE_M1, Scene, parse_scene
-from generator.timing.bench_tool import ROOT
+from generator.evidence.timing.bench_tool import ROOT
+from generator.evidence.verification.errors import STATUS, Array, errors_of, relative_speed
+from generator.evidence.verification.euler import euler_verdict
+from generator.evidence.verification.exact import exact_verdict
+from generator.evidence.verification.scene_cases import cases_for_scene
+from generator.evidence.verification.verdict import Verdict
+from generator.impacts.ball_ball import scene as scene_module
+from generator.impacts.ball_ball import symbols as s
+from generator.impacts.ball_ball.masses import masses_of, pressed_changes
+from generator.impacts.ball_ball.models import MODELS
+from generator.impacts.ball_ball.reduced import reduced_system
+from generator.impacts.ball_ball.scene import CASE_M1, Scene, parse_scene
+from generator.impacts.ball_ball.terms import MASS_RATIOS
+from generator.registry.lane_numbers import float_lanes
+from generator.registry.lanes import widths_of
+from generator.registry.names import name_of
+from generator.registry.presets import find_preset
+from generator.registry.rules import broken_rule
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.flags import compile_flags
-from generator.variants.lane_numbers import float_lanes
-from generator.variants.lanes import widths_of
-from generator.variants.names import name_of
-from generator.variants.presets import find_preset
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.errors import STATUS, Array, errors_of, relative_speed
-from generator.verification.euler import euler_verdict
-from generator.verification.exact import exact_verdict
-from generator.verification.scene_cases import cases_for_scene
-from generator.verification.verdict import Verdict
 
 SHIPPED = tuple(scene_module.scenes())
 PROMISED = {"any", "pool", "snooker", "carom", "break", "stun", "free", "arcade", "unequal"}

@@ -15,7 +15,7 @@ from exact_kernels import MODELS, built, exact_variant, fixed_step_variant, hexf
 from kernels import bench_tool
 from oracle_cache import expected_of
 
-from generator.verification.errors import Array, relative_speed
+from generator.evidence.verification.errors import Array, relative_speed
 
 R = 0.028575
 PARAMS = (R, 0.170097, 0.2, 0.2, 0.06, 0.95)

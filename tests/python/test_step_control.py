@@ -10,12 +10,12 @@ import pytest
 from exact_kernels import built, exact_variant, portable_target
 from kernels import bench_tool
 
-from generator.steppers.ellipse import steepness, sticking_bound
-from generator.steppers.tableaus import TABLEAUS
-from generator.timing.bench_tool import ROOT
-from generator.variants.lane_numbers import float_lanes
-from generator.verification.errors import Array, errors_of
-from generator.verification.reference import CASE_NAMES
+from generator.evidence.timing.bench_tool import ROOT
+from generator.evidence.verification.errors import Array, errors_of
+from generator.evidence.verification.reference import CASE_NAMES
+from generator.registry.lane_numbers import float_lanes
+from generator.steppers.exact.ellipse import steepness, sticking_bound
+from generator.tableaus.tableaus import TABLEAUS
 
 ADVERSARIAL = ROOT / "tests" / "data" / "adversarial"
 OPEN = {("pooltool", "2"), ("pooltool", "5")}  # docs/step-control.md, Open

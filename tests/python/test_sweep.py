@@ -20,11 +20,15 @@ from rich.console import Console
 from sweep_lab import BATCH, EXACT, EXACT_BATCH, FIXED, ZEN3, FakeLab, landscape, plan, swept
 from sweep_records import trial as timed_trial
 
-import generator.variants.axes as axes_module
+import generator.registry.axes as axes_module
 from generator.cli.interrupts import kept
 from generator.cli.sweep_display import say_outcomes
 from generator.errors import InputError, KernelCrash
-from generator.records.evidence import NEGLIGIBLE, read_timings
+from generator.evidence.records.evidence import NEGLIGIBLE, read_timings
+from generator.registry.axes import Axis, Choice, axes_of
+from generator.registry.names import name_of
+from generator.registry.rules import broken_rule
+from generator.registry.variant import Variant
 from generator.sweep.finals import beaten_by, row_of
 from generator.sweep.ladder import KEPT, RUNGS, Entry, finalists, promoted
 from generator.sweep.recheck import verify_choice
@@ -34,10 +38,6 @@ from generator.sweep.space import Contest, Space, parse_only, variant_of_subject
 from generator.sweep.station import TimingJob
 from generator.sweep.store import opened
 from generator.sweep.sweep import explorations
-from generator.variants.axes import Axis, Choice, axes_of
-from generator.variants.names import name_of
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Variant
 
 STRICT = {"flags": ("strict",)}
 SMALL = {"simd": ("scalar",), "store": ("named",), "fma": ("fma",), "loop": ("onestage",)}

@@ -27,6 +27,7 @@ from sweep_lab import ZEN3, plan, swept
 from generator.choice.workbench import Workbench
 from generator.cli.main import gen
 from generator.errors import InputError
+from generator.evidence.timing.bench_tool import build_bench_tool
 from generator.places import cache_folder
 from generator.sweep.cluster import BUILD_SHARE, ClusterLab
 from generator.sweep.space import Contest
@@ -34,7 +35,6 @@ from generator.sweep.station import Station
 from generator.sweep.store import opened
 from generator.sweep.worker import resource_of
 from generator.targets.host import read_host
-from generator.timing.bench_tool import build_bench_tool
 from generator.toolchain.compilers import find_compilers
 
 HERE = Path(__file__).parent

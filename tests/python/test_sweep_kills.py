@@ -18,12 +18,12 @@ import pytest
 from kernels import ROOT
 from sweep_victim import ASKED
 
-from generator.records.code import digest
+from generator.evidence.records.code import digest
+from generator.registry.names import name_of
 from generator.sweep.record import Trial
 from generator.sweep.space import Space
 from generator.sweep.store import read_only
 from generator.targets.host import read_host
-from generator.variants.names import name_of
 
 HERE = Path(__file__).parent
 MADE_UP = [sys.executable, "-P", str(HERE / "sweep_victim.py")]

@@ -18,14 +18,16 @@ from kernels import ROOT
 from sweep_lab import plan, swept
 from test_sweep import COLOUR
 
-import generator.variants.axes as axes_module
+import generator.registry.axes as axes_module
 from generator.choice.selection import read_selection
 from generator.choice.workbench import Candidate, Workbench
 from generator.cli.main import gen
 from generator.emission.kernel_source import emit
 from generator.errors import EmissionError
+from generator.evidence.records.code import source_hash
+from generator.evidence.timing.bench_tool import build_bench_tool
 from generator.places import cache_folder
-from generator.records.code import source_hash
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.sweep.lab import LocalLab
 from generator.sweep.record import Final
 from generator.sweep.space import Contest
@@ -33,9 +35,7 @@ from generator.sweep.station import Code, Station
 from generator.sweep.store import opened, read_only
 from generator.targets.host import read_host
 from generator.targets.target import find_target
-from generator.timing.bench_tool import build_bench_tool
 from generator.toolchain.compilers import find_compilers
-from generator.variants.variant import Stepper, Variant, make_variant
 
 TARGET = find_target("x86-64-v3")
 CONTEST = Contest(TARGET.name, "any", "pooltool", 100, None, "scalar")

@@ -9,7 +9,7 @@ import pytest
 from sweep_records import DEPENDS, trial
 
 from generator.errors import InputError
-from generator.records.code import digest
+from generator.evidence.records.code import digest
 from generator.sweep.record import Trial, trial_key
 from generator.sweep.store import merge, opened, read_only
 

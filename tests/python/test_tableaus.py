@@ -15,16 +15,16 @@ from kernels import bench_tool
 from numpy.typing import NDArray
 
 from generator.emission.kernel_source import emit
-from generator.lowering.exact_step import ExactLowering
-from generator.scenes.models import find_model
-from generator.steppers.budgets import plan_for
-from generator.steppers.tableaus import TABLEAUS, Row, Tableau
-from generator.timing.bench_tool import ROOT
-from generator.variants.names import name_of, variant_of
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.exact import exact_verdict
-from generator.verification.reference import load_reference
+from generator.evidence.timing.bench_tool import ROOT
+from generator.evidence.verification.exact import exact_verdict
+from generator.evidence.verification.reference import load_reference
+from generator.impacts.ball_ball.models import find_model
+from generator.registry.names import name_of, variant_of
+from generator.registry.rules import broken_rule
+from generator.registry.variant import Stepper, Variant, make_variant
+from generator.steppers.exact.budgets import plan_for
+from generator.steppers.exact.step import ExactLowering
+from generator.tableaus.tableaus import TABLEAUS, Row, Tableau
 
 FAMILY = tuple(TABLEAUS.values())
 NAMES = tuple(TABLEAUS)

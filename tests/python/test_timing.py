@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from generator.errors import KernelError
-from generator.timing.bench_tool import ROOT, BenchTool, build_bench_tool
-from generator.timing.plan import PlannedKernel, TimingPlan
-from generator.timing.ratios import (
+from generator.evidence.timing.bench_tool import ROOT, BenchTool, build_bench_tool
+from generator.evidence.timing.plan import PlannedKernel, TimingPlan
+from generator.evidence.timing.ratios import (
     Measurement,
     TimingRun,
     control_band,
@@ -23,10 +23,10 @@ from generator.timing.ratios import (
     timing_results,
     timing_run,
 )
-from generator.verification.errors import STICKS, VELOCITIES, errors_of
-from generator.verification.euler import euler_verdict
-from generator.verification.exact import exact_verdict
-from generator.verification.reference import MODELS, load_reference
+from generator.evidence.verification.errors import STICKS, VELOCITIES, errors_of
+from generator.evidence.verification.euler import euler_verdict
+from generator.evidence.verification.exact import exact_verdict
+from generator.evidence.verification.reference import MODELS, load_reference
 
 ORACLE = ROOT / "tests" / "oracle"
 BAD = """

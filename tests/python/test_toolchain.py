@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from generator.errors import KernelError, KernelTimeout
+from generator.registry.variant import Stepper, make_variant
 from generator.targets.target import find_target
 from generator.toolchain import build as build_module
 from generator.toolchain import compilers as compilers_module
@@ -24,7 +25,6 @@ from generator.toolchain.flags import LINK_FLAGS, compile_flags
 from generator.toolchain.loops import marked_loops
 from generator.toolchain.mca import analyse, assembly_of, find_mca
 from generator.toolchain.process import run
-from generator.variants.variant import Stepper, make_variant
 
 CODES = ("gcc", "clang", "clangold")
 TWICE = 'extern "C" double twice(double x) { return x + x; }\n'

@@ -9,6 +9,9 @@ from kernels import CACHE, EULER, bench_tool, compiler_of
 from generator.choice import modelling
 from generator.choice.workbench import Candidate, Workbench
 from generator.errors import KernelError
+from generator.evidence.verification.errors import Array
+from generator.registry.presets import find_preset
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.build import build
@@ -16,9 +19,6 @@ from generator.toolchain.compilers import find_compilers
 from generator.toolchain.mca import find_mca
 from generator.toolchain.replay import replayed_cycles
 from generator.toolchain.traces import instrumented, traced
-from generator.variants.presets import find_preset
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.errors import Array
 
 TARGET = "x86-64-v3"
 

@@ -21,16 +21,16 @@ from kernels import (
 )
 
 from generator.emission.kernel_source import emit
+from generator.evidence.timing.bench_tool import BenchTool
+from generator.evidence.verification.reference import MODELS
+from generator.registry.axes import axes_of, axis
+from generator.registry.names import name_of, source_name_of, variant_named, variant_of
+from generator.registry.presets import PAPER_PRESETS, PRESETS, find_preset
+from generator.registry.roots import EXACT_ROOTS
+from generator.registry.rules import RULES, broken_rule, require_legal
+from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.target import find_target, targets
-from generator.timing.bench_tool import BenchTool
 from generator.toolchain.flags import compile_flags
-from generator.variants.axes import axes_of, axis
-from generator.variants.names import name_of, source_name_of, variant_named, variant_of
-from generator.variants.presets import PAPER_PRESETS, PRESETS, find_preset
-from generator.variants.roots import EXACT_ROOTS
-from generator.variants.rules import RULES, broken_rule, require_legal
-from generator.variants.variant import Stepper, Variant, make_variant
-from generator.verification.reference import MODELS
 
 TARGETS = ("x86-64-v2", "x86-64-v3")
 ROOTS = axis("root").codes()

@@ -14,10 +14,10 @@ from vendored import EXACT, PAIRS, STRICT, files_for, ran, request_for, vendored
 from generator.choice.lookup import Goal, default_kernel
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
-from generator.scenes.models import DEFAULT_MODEL, MODELS
-from generator.scenes.scene import scenes
+from generator.impacts.ball_ball.models import DEFAULT_MODEL, MODELS
+from generator.impacts.ball_ball.scene import scenes
+from generator.registry.lanes import widths_of
 from generator.targets.target import find_target
-from generator.variants.lanes import widths_of
 from generator.vendoring.manifest import read_manifest, sha256_of
 
 INTERFACE = {"carom_collide", "carom_collide_batch", "carom_kernel"}

@@ -20,10 +20,12 @@ from generator.choice.selection import FILE as SELECTION
 from generator.choice.selection import Selection
 from generator.choice.workbench import Workbench
 from generator.cli.main import gen
-from generator.emission.isa import compiled_features
 from generator.errors import InputError
+from generator.evidence.verification.errors import errors_of
+from generator.evidence.verification.reference import load_reference
 from generator.files import write_file
-from generator.scenes.scene import find_scene
+from generator.impacts.ball_ball.scene import find_scene
+from generator.lowering.isa import compiled_features
 from generator.targets.host import KNOWN_CPUS, read_host
 from generator.targets.target import targets
 from generator.toolchain.compilers import find_compilers
@@ -33,8 +35,6 @@ from generator.vendoring.golden import golden_rows
 from generator.vendoring.job import compare
 from generator.vendoring.kernels import Places, TargetKernels, kernels_for, stored_kernels
 from generator.vendoring.manifest import FILE, read_manifest
-from generator.verification.errors import errors_of
-from generator.verification.reference import load_reference
 
 STEPS = Goal(steps=1000)
 TARGETS = "zen3,x86-64-v2"

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from generator.errors import InputError, KernelError
-from generator.verification.errors import STICKS, Array, approach_speed, errors_of
-from generator.verification.euler import chatter_margin, euler_verdict, flip_limit
-from generator.verification.exact import exact_verdict
-from generator.verification.reference import FOLDER, MODELS, Reference, load_reference
+from generator.evidence.verification.errors import STICKS, Array, approach_speed, errors_of
+from generator.evidence.verification.euler import chatter_margin, euler_verdict, flip_limit
+from generator.evidence.verification.exact import exact_verdict
+from generator.evidence.verification.reference import FOLDER, MODELS, Reference, load_reference
 
 
 @pytest.fixture(scope="module")

@@ -11,26 +11,26 @@ from kernels import bench_tool, build_all
 from generator.choice import verifying, workbench
 from generator.choice.choose import found_errors
 from generator.choice.workbench import Workbench
-from generator.emission.isa import estimates_in
 from generator.emission.kernel_source import emit
-from generator.steppers.budgets import tableaus_for
-from generator.targets.host import read_host
-from generator.targets.target import RSQRT14_ERROR, RSQRTSS_ERROR, find_target, targets
-from generator.toolchain.build import BuildJob, BuiltLibrary
-from generator.toolchain.compilers import compilers_for, find_compilers
-from generator.variants.lanes import widths_of
-from generator.variants.presets import find_preset
-from generator.variants.roots import amplification
-from generator.variants.rules import broken_rule
-from generator.variants.variant import Stepper, make_variant
-from generator.verification.errors import errors_of
-from generator.verification.reference import MODELS, load_reference
-from generator.verification.worst_estimates import (
+from generator.evidence.verification.errors import errors_of
+from generator.evidence.verification.reference import MODELS, load_reference
+from generator.evidence.verification.worst_estimates import (
     HEADER,
     PATTERNS,
     at_worst,
     header_text,
 )
+from generator.lowering.isa import estimates_in
+from generator.registry.lanes import widths_of
+from generator.registry.presets import find_preset
+from generator.registry.roots import amplification
+from generator.registry.rules import broken_rule
+from generator.registry.variant import Stepper, make_variant
+from generator.steppers.exact.budgets import tableaus_for
+from generator.targets.host import read_host
+from generator.targets.target import RSQRT14_ERROR, RSQRTSS_ERROR, find_target, targets
+from generator.toolchain.build import BuildJob, BuiltLibrary
+from generator.toolchain.compilers import compilers_for, find_compilers
 
 PROGRAM = """
 #include <stdio.h>

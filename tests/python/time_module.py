@@ -14,12 +14,12 @@ import numpy as np
 from installed import BUILD, carom
 
 from generator.emission.kernel_source import emit
+from generator.registry.names import name_of, variant_of
+from generator.registry.variant import Variant
 from generator.targets.target import find_target
 from generator.toolchain.build import build_library
 from generator.toolchain.compilers import find_compilers
 from generator.toolchain.flags import compile_flags
-from generator.variants.names import name_of, variant_of
-from generator.variants.variant import Variant
 
 COLLISIONS, ROUNDS = 1_000_000, 9
 SINGLE, SHORT_ROUNDS = 50, 2000  # blocks so short that few are interrupted

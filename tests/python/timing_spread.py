@@ -22,12 +22,12 @@ from kernels import bench_tool
 
 from generator.choice.candidates import default_lanes
 from generator.choice.workbench import BATCH_PARAMETERS, TIMING_CASES, TIMING_SEED
+from generator.evidence.timing.bench_tool import BenchTool
+from generator.evidence.timing.plan import PlannedKernel, TimingPlan
+from generator.evidence.timing.ratios import timing_results, timing_run
+from generator.registry.names import name_of
 from generator.sweep.explore import TRIAL_SECONDS
 from generator.sweep.ladder import QUIET, RUNGS
-from generator.timing.bench_tool import BenchTool
-from generator.timing.plan import PlannedKernel, TimingPlan
-from generator.timing.ratios import timing_results, timing_run
-from generator.variants.names import name_of
 
 
 def plan_of(tool: BenchTool, model: str, rounds: int) -> TimingPlan:

@@ -13,9 +13,9 @@ from kernels import bench_tool
 from generator.choice.folder import file_of
 from generator.choice.lookup import Goal, default_kernel
 from generator.choice.selection import Selected
+from generator.registry.lanes import widths_of
+from generator.registry.names import name_of
 from generator.targets.target import find_target
-from generator.variants.lanes import widths_of
-from generator.variants.names import name_of
 from generator.vendoring.folder import write_files
 from generator.vendoring.job import all_files
 from generator.vendoring.kernels import TargetKernels

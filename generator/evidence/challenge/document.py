@@ -1,0 +1,51 @@
+"""What a search found, as a document and as a case that can be run again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ...registry.names import name_of
+from ...registry.variant import Variant
+from .kept import csv_row, hexfloats
+from .search import Finding, Result, Subject
+
+
+def document(
+    variant: Variant, subject: Subject, seed: int, cpu: str, found: Sequence[Result]
+) -> dict[str, Any]:
+    """All of a search: what was searched where, how much, and the findings to the last bit."""
+    within = subject.within
+    return {
+        "kernel": name_of(variant),
+        "batch": subject.batch,
+        "budget": subject.budget,
+        "model": variant.model,
+        "envelope": within.extent,
+        "ranges": {"u_b": within.u_b, "u_s": within.u_s, "e_b": within.e_b},
+        "seed": seed,
+        "cpu": cpu,
+        "hunts": {result.hunt: _hunt(result) for result in found},
+    }
+
+
+def _hunt(result: Result) -> dict[str, Any]:
+    return {
+        "evaluations": result.evaluations,
+        "seconds": round(result.seconds, 2),
+        "held": result.held,
+        "worst": _finding(result.worst),
+        "over": [_finding(f) for f in result.over],
+        "apart": [_finding(f) for f in result.apart],
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {
+        "kind": finding.kind,
+        "over": finding.over if finding.over != float("inf") else None,
+        "rounding_moves_exact_by": finding.moved,
+        "status": finding.status,
+        "csv": csv_row("found_by_search", finding.case),
+        "hex": hexfloats(finding.case),
+    }

@@ -1,0 +1,66 @@
+"""Where a search looks: the ranges of a scene, or of real use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ...impacts.ball_ball.scene import Scene
+
+Extent = Literal["real", "scene"]
+_RADIUS = 0.03125  # m: a power of two, so that R w is exactly what it was made from
+_MASS = 0.170097
+# Up to where the promise is made, model by model: beyond, friction on the table all but balances
+# what drives the slip, or (`pooltool`) drives it on without bound.
+DOCUMENTED = {
+    "mathavan2014": {"u_b": 0.6, "u_s": 1.0},
+    "bottom_slip": {"u_b": 0.6, "u_s": 1.0},
+    "pooltool": {"u_b": 0.3, "u_s": 0.5},
+}
+_REAL = {"u_b": (0.0, 0.2), "u_s": (0.0, 0.5), "e_b": (0.5, 1.0)}
+REAL_SPEED, REAL_SPIN = 16.0, 20.0  # m/s: of v and of R w
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """Ranges of the parameters that a search varies, and what the balls are."""
+
+    scene: Scene
+    model: str
+    extent: Extent
+    u_b: tuple[float, float]
+    u_s: tuple[float, float]
+    e_b: tuple[float, float]
+    radius: float
+    mass: float
+
+
+def envelope(scene: Scene, model: str, extent: Extent) -> Envelope:
+    """The scene's ranges as far as the model's promise goes, cut down to real use if asked."""
+
+    def bounds(key: str, name: str) -> tuple[float, float]:
+        if key in scene.fixed:
+            return scene.fixed[key], scene.fixed[key]
+        low, high = scene.range_of(key)
+        high = max(low, min(high, DOCUMENTED[model].get(name, high)))
+        if extent == "real":
+            least, most = _REAL[name]
+            low, high = min(max(low, least), high), max(min(high, most), low)
+        return low, high
+
+    def usual(key: str, value: float) -> float:
+        low, high = scene.range_of(key)
+        fixed: float | None = scene.fixed.get(key)  # type: ignore[call-overload]
+        return fixed if fixed is not None else min(max(value, low), high)
+
+    table = bounds("u_s1", "u_s") if scene.table_friction else (0.0, 0.0)
+    return Envelope(
+        scene,
+        model,
+        extent,
+        bounds("u_b", "u_b"),
+        table,
+        bounds("e_b", "e_b"),
+        usual("R", _RADIUS),
+        usual("M", _MASS),
+    )

@@ -1,0 +1,163 @@
+"""Operations of a kernel, counted by running its text with a number type that counts.
+
+`double` and `float` of the generated text become C++ types whose operators count themselves
+(templates/counting). Arithmetic on two constants is left out, as a compiler leaves it out.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...emission.environment import environment
+from ...emission.kernel_source import KernelSource
+from ...errors import KernelError
+from ...impacts.ball_ball.scene import case_value, find_scene
+from ...lowering.counts import OperationCounts
+from ...toolchain.build import build_library
+from ...toolchain.compilers import Compiler
+from ..verification.errors import Array
+from .isolated import call_isolated
+
+KINDS = ("add", "mul", "fma", "div", "sqrt", "estimate", "call", "rare")
+_APART = ("call", "rare")  # no operations of their own
+TIMEOUT = 300.0
+_REGION = re.compile(r"^#define CAROM_REGION_(BEGIN|END)\(name\) static_cast<void>\(0\)$", re.M)
+_RARE = re.compile(r"^#define CAROM_RARE\(\) static_cast<void>\(0\)$", re.M)
+_VECTOR = re.compile(r"typedef (double|float) (\w+) __attribute__\(\(vector_size\((\d+)\)\)\);")
+_SIZES = {"double": 8, "float": 4}
+_EVALUATION = re.compile(r"\b(?:rates_at|tail_rates)\(const Start& start,[^;{]*\) \{")
+_ITERATION = re.compile(r"\+\+count > limit")
+_STEP_BEGIN = re.compile(r"^ *// \d+ stages$", re.M)
+_STEP_END = re.compile(
+    r"^ *// Inside the step: the end of compression, and the end\.$"
+    r"|^ *at\.c_x = select\(keeps, |^ *at\.gain_c_x = select\(keeps, ",
+    re.M,
+)
+_ROOT = re.compile(
+    r"\b(?:rsqrt|rough_rsqrt|inverse_root)\(Real n\) \{|\bReal (?:of\(Real x\)|whole\(\)) const \{"
+)
+
+
+@dataclass(frozen=True)
+class Passages:
+    """How often a region was passed with which operations."""
+
+    times: int
+    counts: OperationCounts
+    calls: int  # of functions of the library, as exp
+    rare: int  # blocks marked CAROM_RARE: guesses that were refused
+
+
+@dataclass(frozen=True)
+class Counted:
+    """What a run of a kernel took."""
+
+    cases: int
+    collisions: int  # cases with an outcome
+    total: OperationCounts
+    calls: int
+    evaluations: int  # of the rates of the slips; a fixed step has one an iteration
+    each: tuple[int, ...]  # evaluations of each case
+    regions: Mapping[str, tuple[Passages, ...]]  # most frequent first
+
+    @property
+    def per_iteration(self) -> OperationCounts | None:
+        """What most passages took in which no guess was refused.
+
+        Of the region `step` where there is one (exact kernels), else of `loop`.
+        """
+        found = self.regions.get("step") or self.regions.get("loop") or ()
+        return next((p.counts for p in found if not p.rare), None)
+
+    @property
+    def rare_share(self) -> float:
+        """Share of the loop's iterations in which a guess was refused."""
+        found = self.regions.get("loop", ())
+        return sum(p.times for p in found if p.rare) / max(sum(p.times for p in found), 1)
+
+    @property
+    def flops_per_collision(self) -> float:
+        return self.total.flops / max(self.collisions, 1)
+
+
+def instrumented(text: str) -> str:
+    """A kernel's text with counters where its regions and evaluations begin and end.
+
+    Raises KernelError where the text has no regions to hook into.
+    """
+    text, hooked = _REGION.subn(
+        lambda m: f"#define CAROM_REGION_{m[1]}(name) counted::regions.{m[1].lower()}(name)", text
+    )
+    if hooked != 2:
+        raise KernelError("counting: the kernel's text has no CAROM_REGION_BEGIN and _END")
+    text = _VECTOR.sub(
+        lambda m: f"typedef counted::Lanes<{m[1]}_, {int(m[3]) // _SIZES[m[1]]}> {m[2]};", text
+    )
+    text = _EVALUATION.sub(lambda m: f"{m[0]} ++counted::evaluations;", text)
+    text = _RARE.sub("#define CAROM_RARE() ++counted::tally.of[counted::k_rare]", text)
+    text = _ITERATION.sub("++counted::evaluations, ++count > limit", text)
+    text = _ROOT.sub(lambda m: f"{m[0]} const counted::Apart apart;", text)
+    text = _STEP_BEGIN.sub(lambda m: f'{m[0]}\n  counted::regions.begin("step");', text)
+    # Once: where slips and their changes are both kept, the first line of the two ends the step.
+    return _STEP_END.sub(lambda m: f'  counted::regions.end("step");\n{m[0]}', text, count=1)
+
+
+def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
+    """Files of a library with `carom_count`. `apart`: roots' own operations are left out."""
+    scene = find_scene(source.variant.scene)
+    fields = [(key, case_value(key, "row")) for key in scene.free]
+    values = {"name": source.source_name, "kinds": KINDS, "fields": fields, "apart": apart}
+    render = {
+        name: environment().get_template(f"counting/{name}.j2").render(**values)
+        for name in ("counted.h", "count.cpp")
+    }
+    # Only count.cpp is compiled: the kernel is included in it.
+    kernel = {"carom.h": source.header, "kernel.inc": instrumented(source.source)}
+    return {**kernel, **render}
+
+
+def count_operations(
+    source: KernelSource,
+    compiler: Compiler,
+    flags: tuple[str, ...],
+    cases: Array,
+    cache_folder: Path,
+    apart: bool = False,
+) -> Counted:
+    """Run `cases` (rows of 24) through a kernel that counts, in a process of its own.
+
+    `apart`: leave out what makes the inverse roots, as the counts in the files of exact kernels do.
+    Raises KernelError where the text cannot be counted.
+    """
+    sources = counting_sources(source, apart)
+    library = build_library(sources, (), compiler, (*flags, "-w"), cache_folder, "counting")
+    return _counted(call_isolated("carom_count", library.path, cases, TIMEOUT), len(cases))
+
+
+def _counts(values: list[int]) -> OperationCounts:
+    known = dict(zip(KINDS, values, strict=True))
+    return OperationCounts(**{kind: known[kind] for kind in KINDS if kind not in _APART})
+
+
+def _counted(document: dict[str, Any], cases: int) -> Counted:
+    regions = {
+        name: tuple(
+            Passages(row[0], _counts(row[1:]), *row[-2:])
+            for row in sorted(passages, key=lambda row: -row[0])
+        )
+        for name, passages in document["regions"].items()
+    }
+    total = document["total"]
+    return Counted(
+        cases=cases,
+        collisions=document["statuses"][0],
+        total=_counts(total),
+        calls=total[-2],
+        evaluations=document["evaluations"],
+        each=tuple(document["each"]),
+        regions=regions,
+    )

@@ -1,0 +1,30 @@
+"""Calls one function of a library in a process of its own, which a crash takes alone.
+
+python -m generator.evidence.profiling.run_library carom_count LIBRARY ROWS OUT
+python -m generator.evidence.profiling.run_library carom_sample LIBRARY ROWS OUT KERNEL SECONDS
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from pathlib import Path
+
+COLUMNS = 24  # of a row, as bench/case_rows.h
+
+
+def main(function: str, library: str, rows: str, out: str, *more: str) -> int:
+    """ROWS: a file of float64 in rows of 24; OUT: the JSON file that the function writes."""
+    raw = Path(rows).read_bytes()
+    buffer = (ctypes.c_double * (len(raw) // 8)).from_buffer_copy(raw)
+    count, file = ctypes.c_size_t(len(buffer) // COLUMNS), out.encode()
+    loaded = ctypes.CDLL(library)
+    if function == "carom_count":
+        return int(loaded.carom_count(buffer, count, file))
+    kernel, seconds = more
+    limit = ctypes.c_double(float(seconds))
+    return int(loaded.carom_sample(kernel.encode(), buffer, count, limit, file))
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,256 @@
+"""carom_bench from Python: built once for its sources, run as a process of its own.
+
+A candidate kernel may crash or never end; it takes only that process with it.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import re
+import shutil
+import signal
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from ...errors import KernelCrash, KernelError
+from ...files import require_cache, require_temporary
+from ...impacts.ball_ball.masses import MassRatio
+from ...impacts.ball_ball.scene import CASE_M1
+from ...places import sources
+from ...toolchain.process import require_space, run, run_checked
+from .plan import Array, TimingPlan
+from .ratios import TimingRun, timing_run
+
+ROOT = sources()
+BUILD_TIMEOUT = 600.0  # seconds
+RUN_TIMEOUT = 120.0
+CASE_COLUMNS, OUTCOME_COLUMNS, EXPECTED_COLUMNS = 24, 13, 14  # of bench/case_rows.h
+_SUFFIXES = (".h", ".cpp", ".txt")
+Method = Literal["exact", "screen", "euler"]
+
+
+@dataclass(frozen=True)
+class CaseSet:
+    """Cases in rows of 24 and the kind of each."""
+
+    rows: Array
+    kinds: tuple[str, ...]
+
+
+def _reason(code: int, message: str) -> str:
+    if code >= 0:
+        return message or f"exit status {code}"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    return f"crashed with {name}"
+
+
+def _write(path: Path, rows: Array) -> Path:
+    np.ascontiguousarray(rows, dtype=np.float64).tofile(path)
+    return path
+
+
+def _read(path: Path, columns: int, rows: int) -> Array:
+    values = np.fromfile(path, dtype=np.float64)
+    if len(values) != rows * columns:
+        raise KernelError(f"carom_bench wrote {len(values)} values, not {rows} rows of {columns}")
+    return values.reshape(rows, columns)
+
+
+@dataclass(frozen=True)
+class BenchTool:
+    """A built carom_bench. Every method raises KernelError with the reason when it fails.
+
+    KernelCrash where a signal ended it, KernelTimeout where it took too long.
+    """
+
+    executable: Path
+
+    def _run(
+        self,
+        command: str,
+        *arguments: object,
+        timeout: float = RUN_TIMEOUT,
+        environment: Mapping[str, str] | None = None,
+    ) -> str:
+        """What the command prints."""
+        words = [str(self.executable), command, *map(str, arguments)]
+        done = run(words, timeout, environment=environment)
+        require_space(done, Path(tempfile.gettempdir()))
+        if done.code != 0:
+            message = done.first_error if done.errors or done.output else ""
+            kind = KernelCrash if done.code < 0 else KernelError
+            raise kind(f"carom_bench {command}: {_reason(done.code, message)}")
+        return done.output
+
+    def make_cases(
+        self,
+        seed: int,
+        count: int,
+        mixed: bool = True,
+        fixed: Mapping[str, float] | None = None,
+    ) -> CaseSet:
+        """Random cases: the mixture of real shots and hard kinds, or all kinds in turn.
+
+        `fixed`: parameters that are the same for all; a new R keeps every R w.
+        """
+        fixes = [f"--fix={key}={value!r}" for key, value in (fixed or {}).items()]
+        with tempfile.TemporaryDirectory() as name:
+            out, kinds = Path(name, "cases"), Path(name, "kinds")
+            choice = "--mixed" if mixed else "--random"
+            files = ("--out", out, "--kinds", kinds)
+            self._run("cases", choice, "--seed", seed, "--count", count, *files, *fixes)
+            rows = _read(out, CASE_COLUMNS, count)
+            return CaseSet(rows, tuple(kinds.read_text("utf-8").split()))
+
+    def expect(
+        self,
+        cases: Array,
+        method: Method,
+        model: str,
+        steps: int = 1000,
+        mass_ratio: MassRatio = 1.0,
+        threads: int = 0,
+    ) -> Array:
+        """What must come out, in rows of 14; `steps` is for euler, which is in long double.
+
+        `screen`: as exact, in double and in a sixth of the time. `mass_ratio`: of ball 1 to ball 2,
+        not for euler; given: CASE_M1 to the case's own M. `threads`: 0 for one a core.
+        """
+        with tempfile.TemporaryDirectory() as name:
+            files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
+            options = ["--method", method, "--model", model, "--steps", steps]
+            if mass_ratio == "given":
+                options += ["--mass1", repr(CASE_M1)]
+            elif mass_ratio != 1:
+                options += ["--mass-ratio", repr(mass_ratio)]
+            options += [] if threads == 0 else ["--threads", threads]
+            self._run("expect", *options, *files, timeout=RUN_TIMEOUT + 0.05 * len(cases))
+            return _read(Path(name, "out"), EXPECTED_COLUMNS, len(cases))
+
+    def run_kernel(
+        self,
+        library: Path,
+        cases: Array,
+        steps: int | None = None,
+        batch: bool = False,
+        in_place: bool = False,
+        timeout: float = RUN_TIMEOUT,
+        trace: Path | None = None,
+        environment: Mapping[str, str] | None = None,
+    ) -> Array:
+        """What a kernel makes of the cases, in rows of 13.
+
+        `steps`: instead of its own; `batch`: through its batch function; `in_place`: the outcome
+        overwrites the input; `trace`: file for the blocks that ran (of toolchain.traces);
+        `environment`: variables for the process that runs it.
+        """
+        flags = ["--batch"] * batch + ["--in-place"] * in_place
+        flags += [] if trace is None else ["--trace", str(trace)]
+        options = ["--kernel", library, *([] if steps is None else ["--steps", steps]), *flags]
+        with tempfile.TemporaryDirectory() as name:
+            files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
+            self._run("run", *options, *files, timeout=timeout, environment=environment)
+            return _read(Path(name, "out"), OUTCOME_COLUMNS, len(cases))
+
+    def threads(
+        self, library: Path, cases: Array, count: int = 32768, most: int = 0
+    ) -> dict[int, float]:
+        """ns a collision of a batch shared over 1, 2, ... threads, by their number.
+
+        `most`: threads; 0: one a core. Raises KernelError too where the outcomes differ from those
+        of one thread.
+        """
+        with tempfile.TemporaryDirectory() as name:
+            path = _write(Path(name, "cases"), cases)
+            words = ("--kernel", library, "--cases", path, "--count", count, "--most", most)
+            told = self._run("threads", *words)
+        rows = re.findall(r"^(\d+) threads: (\S+) ns", told, re.MULTILINE)
+        return {int(threads): float(ns) for threads, ns in rows}
+
+    def time(self, plan: TimingPlan) -> TimingRun:
+        """Times the kernels of a plan, which must have passed verification."""
+        return timing_run(self.timing_document(plan))
+
+    def timing_document(self, plan: TimingPlan) -> dict[str, Any]:
+        """What carom_bench writes when it times a plan."""
+        with tempfile.TemporaryDirectory() as name:
+            cases = _write(Path(name, "cases"), plan.cases)
+            seeds = plan.seed_cases
+            seed_path = None if seeds is None else _write(Path(name, "seeds"), seeds)
+            file, out = Path(name, "plan.json"), Path(name, "result.json")
+            file.write_text(json.dumps(plan.document(cases, seed_path)), encoding="utf-8")
+            limit = plan.seconds + RUN_TIMEOUT
+            self._run("time", "--plan", file, "--out", out, timeout=limit)
+            document: dict[str, Any] = json.loads(out.read_text("utf-8"))
+            return document
+
+
+def _sources(root: Path) -> list[Path]:
+    folders = (root / "bench", root / "tests" / "oracle")
+    found = [path for folder in folders for path in folder.rglob("*") if path.suffix in _SUFFIXES]
+    return sorted([root / "CMakeLists.txt", *found])
+
+
+def source_hash(root: Path = ROOT) -> str:
+    """A hash of everything that carom_bench is built from."""
+    digest = hashlib.sha256()
+    for path in _sources(root):
+        digest.update(f"{path.relative_to(root)}\0".encode() + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _place_hash(root: Path) -> str:
+    """Of a checkout's path: CMake ties a build folder to one, and a cache may serve several."""
+    return hashlib.sha256(os.fsencode(root.resolve())).hexdigest()[:16]
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    with path.open("w", encoding="utf-8") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _build(root: Path, folder: Path) -> Path:
+    if shutil.which("cmake") is None or shutil.which("ninja") is None:
+        raise KernelError(
+            "building carom_bench: no cmake or ninja: apt-get install cmake ninja-build"
+        )
+    options = ("-DCAROM_BUILD_TESTS=OFF", "-DCMAKE_BUILD_TYPE=Release")
+    configure = ["cmake", "-S", str(root), "-B", str(folder), "-G", "Ninja", *options]
+    log = folder.with_suffix(".failed.log")
+    run_checked(configure, BUILD_TIMEOUT, "configuring carom_bench", log)
+    run_checked(
+        ["ninja", "-C", str(folder), "carom_bench"], BUILD_TIMEOUT, "building carom_bench", log
+    )
+    return folder / "bench" / "carom_bench"
+
+
+def build_bench_tool(cache: Path, root: Path = ROOT) -> BenchTool:
+    """carom_bench for the sources as they are, taken from the cache if it is there.
+
+    Raises KernelError with the first error of CMake or of the compiler, InputError where the cache
+    is no place for programs.
+    """
+    require_temporary()
+    require_cache(cache)
+    kept = cache / f"carom_bench-{source_hash(root)}"
+    with _locked(cache / "carom_bench.lock"):
+        if not kept.exists():
+            built = _build(root, cache / f"carom_bench-build-{_place_hash(root)}")
+            fresh = cache / f"carom_bench.{os.getpid()}.tmp"
+            shutil.copy2(built, fresh)
+            fresh.replace(kept)
+    return BenchTool(kept)

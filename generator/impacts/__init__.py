@@ -1,0 +1,1 @@
+"""Impacts: what collides, as mechanics and data."""

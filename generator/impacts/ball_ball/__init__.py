@@ -1,0 +1,1 @@
+"""Two balls: contacts, contact models, parameters, scenes and what ends the collision."""

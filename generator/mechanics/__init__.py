@@ -1,1 +1,0 @@
-"""Mechanics: SymPy derives the collision from contact points, impulses and their moments."""

@@ -1,0 +1,244 @@
+"""Which combinations of options are legal, each refusal with its name and reason."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..impacts.ball_ball.scene import find_scene
+from ..tableaus.tableaus import TABLEAUS
+from ..targets.target import Target
+from .lane_numbers import precision_of, steps_in_doubles
+from .lanes import widths_of
+from .roots import EXACT_ROOTS, allows, allows_floats
+from .variant import Variant
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A combination that cannot be: `breaks` tells whether a variant on a target is one."""
+
+    name: str
+    reason: str
+    breaks: Callable[[Variant, Target], bool]
+
+
+def _euler(test: Callable[[Variant], bool]) -> Callable[[Variant, Target], bool]:
+    return lambda v, _target: v.stepper.family == "euler" and test(v)
+
+
+def _floats(v: Variant) -> bool:
+    return v.get("numbers") == "float"
+
+
+def _closed(v: Variant) -> bool:
+    """Has its scene a closed form in place of steps?"""
+    return find_scene(v.scene).level
+
+
+def _roots_in_budget(v: Variant, target: Target) -> bool:
+    """Are all roots of an exact kernel fine enough? A closed form has none."""
+    scene, budget = find_scene(v.scene), v.stepper.budget
+    if budget is None or scene.level:
+        return True
+    alone = allows(budget, v.model, v["root"], target, one_float=scene.precision == "float")
+    return alone and (
+        v.width == 1 or allows(budget, v.model, v["lane_root"], target, in_floats=_floats(v))
+    )
+
+
+# carom.h promises at most 128 KiB of stack a function of unoptimised code, where every operation of
+# a step has its own place. Vectors that Clang's `make_step` takes, by nonzero weights of stages and
+# interpolant: 732 for 10 (ss43), 1116 for 26 (dp54), 1734 for 68 (dp87), 2795 for 130 (dop853).
+# What is within that keeps to 32 KiB when optimised. In pairs (`s2`) every stage is a function.
+MOST_UNOPTIMISED = 128 << 10
+_STEP_VECTORS, _VECTORS_A_WEIGHT = 700, 17
+
+
+def unoptimised_stack(v: Variant) -> int:
+    """Bytes that the largest function of exact lanes takes of the stack, unoptimised; at most."""
+    if v.width == 1 or v.stepper.family != "exact" or _closed(v) or v.paired:
+        return 0
+    tableau = TABLEAUS[v.stepper.name]
+    weights = sum(bool(weight) for row in (*tableau.rows, *tableau.dense) for weight in row)
+    vector = v.width * v.vectors * (4 if precision_of(v) == "float" else 8)
+    return vector * (_STEP_VECTORS + _VECTORS_A_WEIGHT * weights)
+
+
+RULES: tuple[Rule, ...] = (
+    Rule(
+        "fma-needs-hardware",
+        "the target has no fused multiply-add, and a library call for each would be slow",
+        lambda v, t: v.get("fma") in ("fma", "autofma") and not t.has("fma"),
+    ),
+    Rule(
+        "estimate-needs-hardware",
+        "the target has no instruction that estimates a reciprocal square root",
+        lambda v, t: (
+            (v.get("rsqrt") or v.get("root")) in ("est0", "est1", "est2", "cubic")
+            and not t.has_rsqrt_estimate
+        ),
+    ),
+    Rule(
+        "recompute-needs-full-state",
+        "the reduced state has no slips to make again from velocities",
+        _euler(lambda v: v["reuse"] == "recompute" and v["state"] == "reduced"),
+    ),
+    Rule(
+        "reduced-needs-products",
+        "the reduced state is in speeds: use reuse=precompute or factored with it",
+        _euler(lambda v: v["state"] == "reduced" and v["reuse"] not in ("precompute", "factored")),
+    ),
+    Rule(
+        "recompute-needs-later-roots",
+        "slips made at the start of an iteration have no roots at its end: use roots=two or early",
+        _euler(lambda v: v["reuse"] == "recompute" and v["roots"] == "three"),
+    ),
+    Rule(
+        "chosen-needs-products",
+        "the loop for one pressed ball works in speeds: use reuse=precompute or factored with it",
+        _euler(lambda v: v["branch"] == "chosen" and v["reuse"] not in ("precompute", "factored")),
+    ),
+    Rule(
+        "chosen-needs-inverse",
+        "without a branch for a table slip of zero the division by its length would be 0/0",
+        _euler(lambda v: v["branch"] == "chosen" and v["rsqrt"] == "div"),
+    ),
+    Rule(
+        "chosen-has-one-table-root",
+        "the pressed ball is known: no branch is left to make a root in; use roots=early or three",
+        _euler(lambda v: v["branch"] == "chosen" and v["roots"] == "two"),
+    ),
+    Rule(
+        "balls-need-full-state",
+        "lanes that are balls carry the balls' velocities: use state=full",
+        _euler(lambda v: v["simd"] == "balls" and v["state"] != "full"),
+    ),
+    Rule(
+        "factored-needs-reduced",
+        "1/|c| can be multiplied in last only with state=reduced and branch=chosen",
+        _euler(
+            lambda v: (
+                v["reuse"] == "factored" and (v["state"] != "reduced" or v["branch"] != "chosen")
+            )
+        ),
+    ),
+    Rule(
+        "refine-needs-early-roots",
+        "refining the last iteration's value needs the root to be made in every iteration",
+        _euler(lambda v: v["rsqrt"] in ("prev", "ahead") and v["roots"] != "early"),
+    ),
+    Rule(
+        "masks-need-early-roots",
+        "with everything computed and masked there is no branch to make a root in or after",
+        _euler(lambda v: v["branch"] in ("inverted", "bitmask") and v["roots"] == "two"),
+    ),
+    Rule(
+        "balls-need-bitmask",
+        "lanes that are balls are masked, not branched on",
+        _euler(lambda v: v["simd"] == "balls" and v["branch"] != "bitmask"),
+    ),
+    Rule(
+        "balls-need-plain-root",
+        "lanes that are balls make their roots afresh each iteration, as the report does",
+        _euler(
+            lambda v: (
+                v["simd"] == "balls"
+                and (v["rsqrt"] in ("prev", "ahead", "div") or v["roots"] != "early")
+            )
+        ),
+    ),
+    Rule(
+        "balls-need-products",
+        "lanes that are balls work in speeds: use reuse=precompute with them",
+        _euler(lambda v: v["simd"] == "balls" and v["reuse"] != "precompute"),
+    ),
+    Rule(
+        "slips-need-chosen",
+        "lanes that are slips need one pressed ball, the reduced state and its products",
+        _euler(
+            lambda v: (
+                v["simd"] == "slips"
+                and not (
+                    v["branch"] == "chosen"
+                    and v["state"] == "reduced"
+                    and v["reuse"] == "precompute"
+                    and v["roots"] == "early"
+                    and v["rsqrt"] not in ("div", "prev", "ahead")
+                )
+            )
+        ),
+    ),
+    Rule(
+        "vectors-need-names",
+        "a vector register is its own storage: use store=named with SIMD lanes",
+        _euler(lambda v: v["simd"] in ("balls", "slips") and v["store"] != "named"),
+    ),
+    Rule(
+        "chain-needs-early-roots",
+        "the chain can come first only where its root is made at the start of the iteration",
+        _euler(lambda v: v["order"] == "chain" and v["roots"] != "early"),
+    ),
+    Rule(
+        "lanes-need-vectors",
+        "the target has no vectors of so many of these numbers",
+        lambda v, t: v.width not in widths_of(t, precision_of(v)),
+    ),
+    Rule(
+        "lanes-need-ieee",
+        "lanes are told apart by NaN, infinities and comparisons: use flags=strict with them",
+        lambda v, _t: v.width > 1 and v["flags"] != "strict",
+    ),
+    Rule(
+        "lanes-place-their-fma",
+        "the same collision must be rounded alike in every lane: use fma=fma or nofma",
+        lambda v, _t: v.width > 1 and v["fma"] == "autofma",
+    ),
+    Rule(
+        "lane-estimate-needs-hardware",
+        "the target has no instruction that estimates a reciprocal square root",
+        lambda v, t: v.get("lane_root", "inv") not in EXACT_ROOTS and not t.has_rsqrt_estimate,
+    ),
+    Rule(
+        "floats-in-place-of-doubles",
+        "only steps in doubles can be made in floats instead: use numbers=own",
+        lambda v, _t: _floats(v) and not steps_in_doubles(v.scene),
+    ),
+    Rule(
+        "floats-within-budget",
+        "floats round by more than the error budget allows: use numbers=own",
+        lambda v, _t: _floats(v) and not allows_floats(v.stepper.budget or 0.0, v.model),
+    ),
+    Rule(
+        "roots-within-budget",
+        "the root is off by more than the error budget allows: use a finer root or lane_root",
+        lambda v, t: not _roots_in_budget(v, t),
+    ),
+    Rule(
+        "lanes-of-steps-refine-roots",
+        "a thousand steps add up what an estimate alone is off by: use a finer lane_root",
+        _euler(lambda v: v.get("lane_root") == "est0"),
+    ),
+    Rule(
+        "pairs-need-stages",
+        "only the steps of an exact kernel have stages that two vectors can make in turn",
+        lambda v, _t: v.paired and (v.stepper.family != "exact" or _closed(v)),
+    ),
+    Rule(
+        "lanes-fit-the-stack",
+        "a step of so many lanes takes more than 128 KiB of stack unoptimised: use interleave=s2",
+        lambda v, _t: unoptimised_stack(v) > MOST_UNOPTIMISED,
+    ),
+)
+
+
+def broken_rule(variant: Variant, target: Target) -> Rule | None:
+    """The first rule that a variant breaks on a target, or None where it is legal."""
+    return next((rule for rule in RULES if rule.breaks(variant, target)), None)
+
+
+def require_legal(variant: Variant, target: Target) -> None:
+    """Raise ValueError with the rule's name and reason where a combination is illegal."""
+    rule = broken_rule(variant, target)
+    if rule is not None:
+        raise ValueError(f"illegal combination ({rule.name}): {rule.reason}")

@@ -1,0 +1,1 @@
+"""Adaptive Runge-Kutta steps of the reduced system, and the control of their length."""

@@ -1,0 +1,1 @@
+"""The fixed step: the scheme of pooltool and of the report, and its faster forms."""

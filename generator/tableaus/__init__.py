@@ -1,0 +1,1 @@
+"""Runge-Kutta tableaus in exact rationals: facts, as the literature gives them."""
