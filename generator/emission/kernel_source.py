@@ -8,17 +8,16 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from ..errors import InputError
+from ..impacts.ball_ball import words
 from ..impacts.ball_ball.masses import masses_of
 from ..impacts.ball_ball.models import find_model
 from ..impacts.ball_ball.scene import (
-    ALCIATORE,
     TABLE_FRICTION,
     UNITS,
     Scene,
     case_value,
     find_scene,
 )
-from ..impacts.ball_ball.terms import MASS_RATIOS
 from ..lowering import isa
 from ..lowering.collision_ends import CollisionEnds, at_zero
 from ..lowering.counts import OperationCounts
@@ -36,16 +35,6 @@ from ..targets.target import Target, target_or_port
 from .banner import bannered
 from .environment import environment
 from .formatting import format_source
-
-MEANINGS = {
-    "R": "m, radius of both balls",
-    "M": "kg, mass of both balls",
-    "M1": "kg, mass of ball 1: {:g} to {:g} times that of ball 2".format(*MASS_RATIOS),
-    "u_s1": "1, sliding friction of ball 1 and the table",
-    "u_s2": "1, sliding friction of ball 2 and the table",
-    "u_b": "1, friction between the balls",
-    "e_b": "1, restitution between the balls",
-}
 
 
 @dataclass(frozen=True)
@@ -140,6 +129,7 @@ class KernelContext:
     contact_slip: tuple[str, ...] = ()  # c_x and c_z, where friction depends on them
     lanes_slip: tuple[str, ...] = ()  # the same in lanes
     checks: tuple[str, ...] = ()  # conditions on the parameters
+    law: tuple[str, str, str] | None = None  # of friction, where the kernel makes it
     motions: tuple[str, ...] = ()  # velocities that are zero in the scene, as ball1[6]
     level_pairs: tuple[tuple[str, str], ...] = ()  # velocities that are equal in the scene
     quad_lanes: tuple[dict[str, str], ...] = field(
@@ -181,14 +171,6 @@ class KernelContext:
         return f"{a} * {a} + {b} * {b}"
 
     @property
-    def law(self) -> tuple[str, str, str] | None:
-        """a, b, c of u_b = a + b exp(-c slip), where the kernel makes u_b."""
-        if self.scene.friction_law != "alciatore":
-            return None
-        a, b, c = (repr(value) for value in ALCIATORE)
-        return a, b, c
-
-    @property
     def level_ends(self) -> bool:
         """Do the spins' level components stay zero, so that they need not be written?"""
         return self.scene.level and not self.tilt_allowed and not self.fixed_step
@@ -213,40 +195,21 @@ class KernelContext:
         return f" + {value} * b.f_z" if self.tilt_allowed else ""
 
 
-def _meaning(key: str, scene: Scene) -> str:
-    if key == "M" and scene.masses_given:
-        return "kg, mass of ball 2"
-    if key == "M" and not scene.equal_masses:
-        return f"kg, mass of ball 2; that of ball 1 is {scene.mass_ratio:g} times as much"
-    if key == "u_b" and scene.friction_law == "alciatore":
-        return "1, friction between the balls, made from their slip"
-    return MEANINGS[key]
-
-
-def _check(key: str, scene: Scene) -> str:
-    """The condition that a parameter given with the call is in its range."""
-    if key == "M1":  # products with whole numbers: a ratio at either end is not rounded out
-        low, high = MASS_RATIOS
-        return f"p.M1 * {1 / low!r} >= p.M && p.M1 <= {high!r} * p.M"
-    low, high = scene.range_of(key)
-    return f"in_range(p.{key}, {low!r}, {high!r})"
-
-
 def _fields(scene: Scene) -> tuple[tuple[Field, ...], tuple[Field, ...], tuple[Field, ...]]:
     """Constants, members of Parameters, and those of them that the caller gives."""
     values: dict[str, float] = {str(key): value for key, value in scene.fixed.items()}
     if not scene.table_friction:
         values |= dict.fromkeys(TABLE_FRICTION, 0.0)
     fixed = tuple(
-        Field(key, _meaning(key, scene), number(sp.Float(values[key], 17)))
+        Field(key, words.meaning(key, scene), number(sp.Float(values[key], 17)))
         for key in UNITS
         if key in values
     )
     free = []
     for key in scene.members:
         if key not in values:
-            check = _check(key, scene)
-            free.append(Field(key, _meaning(key, scene), check=check))
+            check = words.check(key, scene)
+            free.append(Field(key, words.meaning(key, scene), check=check))
     fields = tuple(f for f in free if f.name in scene.free)
     return fixed, tuple(free), fields
 
@@ -256,64 +219,9 @@ def fields_of(scene: Scene) -> tuple[Field, ...]:
     return _fields(scene)[2]
 
 
-def _motions(scene: Scene, lift: bool) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
-    """Inputs that a scene wants to be zero, and pairs of them that it wants to be equal."""
-    zero: list[str] = []
-    spins = {"none": (6, 7, 8), "side": (6, 7), "any": ()}[scene.spin]
-    zero += [f"ball1[{i}]" for i in spins]
-    still = range(3, 9) if scene.object_ball == "rest" else spins
-    zero += [f"ball2[{i}]" for i in still]
-    return tuple(zero), ((("ball1[5]", "ball2[5]"),) if scene.level and lift else ())
-
-
-def _range_text(key: str, scene: Scene) -> str:
-    if key == "M1":
-        return "{:g} M to {:g} M".format(*MASS_RATIOS)
-    return "{:g} to {:g}".format(*scene.range_of(key))
-
-
 def _contract(variant: Variant, scene: Scene, method: tuple[str, ...]) -> tuple[str, ...]:
-    model = find_model(variant.model)
-    parameters = ", ".join(f"{key} {_range_text(key, scene)}" for key in scene.free)
-    balls = "two balls of one radius, of masses M1 and M"
-    if not scene.masses_given:
-        balls = (
-            "two equal balls"
-            if scene.equal_masses
-            else f"two balls of one radius, ball 1 {scene.mass_ratio:g} times as heavy as ball 2"
-        )
-    lines = (
-        f"Frictional collision of {balls}, contact model `{model.name}`: {model.text}.",
-        method[0],
-        f"Valid: {parameters or 'every parameter is fixed'}; speeds below 1e100 m/s.",
-        *_scene_lines(scene),
-        "Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity.",
-        *method[1:],
-        "Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14.",
-    )
+    lines = words.contract(scene, variant.model, method)
     return tuple(part for line in lines for part in textwrap.wrap(line, 96))
-
-
-def _scene_lines(scene: Scene) -> tuple[str, ...]:
-    """What a scene says of the motions, for the contract."""
-    says = []
-    if scene.object_ball == "rest":
-        says.append("ball 2 at rest")
-    if scene.spin == "none":
-        says.append("no ball spins")
-    if scene.spin == "side":
-        says.append("spin about the vertical axis alone")
-    if scene.speed is not None:
-        says.append(f"|v1 - v2| {scene.speed[0]:g} to {scene.speed[1]:g} m/s")
-    if scene.spin_speed is not None:
-        says.append(f"R |w| at most {scene.spin_speed:g} m/s")
-    if not scene.table_friction:
-        says.append("no table friction")
-    if scene.equal_table:
-        says.append("u_s1 = u_s2")
-    if scene.friction_law == "alciatore":
-        says.append("u_b by Alciatore's law from the contact slip before")
-    return (f"Scene `{scene.name}`: {'; '.join(says)}.",) if says else ()
 
 
 def _fixed_step_contract(variant: Variant, counts: OperationCounts) -> tuple[str, ...]:
@@ -410,10 +318,7 @@ def _fixed_step(context: KernelContext, variant: Variant, target: Target) -> Ope
     """Fill in what the fixed-step core needs; the operations of an iteration."""
     scene = context.scene
     if not scene.fixed_steps:
-        raise InputError(
-            f"--scene {scene.name}: the fixed-step scheme is pooltool's, of equal balls and in "
-            "double; expected a scene with mass_ratio = 1 and precision = 'double', or --max-error"
-        )
+        raise InputError(f"--scene {scene.name}: {words.NO_FIXED_STEPS}")
     terms = find_model(variant.model).terms
     builder = LoopBuilder(variant, terms)
     context.functions = tuple(builder.loops(scene.level))
@@ -450,7 +355,7 @@ def emit(
     vector_frame = variant.get("simd") == "prepost"
     terms = find_model(variant.model).terms
     masses = masses_of(scene.mass_ratio)
-    motions, level_pairs = _motions(scene, terms.lift)
+    motions, level_pairs = words.motions(scene)
     name = source_name_of(variant)
     context = KernelContext(
         name=name,
@@ -476,12 +381,12 @@ def emit(
         project_template=f"sections/project_{'vector' if vector_frame else 'scalar'}.j2",
         restore_template=f"sections/restore_{'vector' if vector_frame else 'scalar'}.j2",
     )
-    context.motions, context.level_pairs = motions, level_pairs
+    context.motions = motions
+    context.level_pairs = level_pairs if scene.level and terms.lift else ()
     low, high = scene.range_of("u_b")
     context.u_b_range = (repr(low), repr(high))
-    context.checks = tuple(f.check for f in fields)
-    if scene.equal_table:
-        context.checks += ("p.u_s1 == p.u_s2",)
+    context.checks = (*(f.check for f in fields), *words.joint_checks(scene))
+    context.law = words.law(scene)
     if context.law:
         one, lanes = (
             CollisionEnds(terms, masses, at_zero(scene), variant["fma"] == "fma", wide)
@@ -526,7 +431,7 @@ def emit_header(
     """carom.h for one scene: the same for all its kernels, fixed steps or not."""
     fields = fields_of(scene)
     fixed_lines = [f"Fixed: {key} = {scene.fixed[key]!r} {UNITS[key]}" for key in scene.fixed]
-    fixed_lines += _scene_lines(scene)
+    fixed_lines += words.scene_lines(scene)
     values = {
         "scene": scene,
         "prefix": prefix,
@@ -535,11 +440,7 @@ def emit_header(
         "fields": fields,
         "fixed_lines": fixed_lines,
         "use": use,
-        "u_b_text": (
-            "u_b must be NULL (the kernel makes it)"
-            if scene.friction_law == "alciatore"
-            else "u_b may be NULL (then p decides)"
-        ),
+        "u_b_text": words.varied_note(scene),
     }
     remake = command or f"./gen emit --header {scene.name}"
     data = (scene.model_dump_json(), prefix, repr(use))
