@@ -61,11 +61,11 @@ def _models(out: Path) -> None:
 
 def _redraw(out: Path, source: Path) -> None:
     from ..files import write_file
-    from ..report.figures.speed_error import measured_of
+    from ..report.figures.speed_error import speed_error_of
     from ..report.figures.speed_error_svg import draw
 
     try:
-        measured = measured_of(json.loads(source.read_text("utf-8")))
+        measured = speed_error_of(json.loads(source.read_text("utf-8")))
     except OSError as error:
         raise InputError(f"{source}: cannot be read: {error.strerror}") from None
     except (ValueError, KeyError, TypeError) as error:
@@ -79,7 +79,7 @@ def _measure(out: Path, target: str, scene: str, model: str | None, seconds: flo
     from ..files import require_place, write_file
     from ..impacts.ball_ball.models import find_model
     from ..impacts.ball_ball.scene import find_scene
-    from ..report.figures.speed_error import measure
+    from ..report.figures.speed_error import measure_speed_error
     from ..report.figures.speed_error_svg import draw
     from .session import ROOT, resolve_target, workbench
 
@@ -91,7 +91,9 @@ def _measure(out: Path, target: str, scene: str, model: str | None, seconds: flo
     resolved, host = resolve_target(target)
     require_runs(host, resolved)
     with workbench() as bench:
-        measured = measure(bench, ROOT / "generated", resolved, host, scene, known, seconds)
+        measured = measure_speed_error(
+            bench, ROOT / "generated", resolved, host, scene, known, seconds
+        )
     write_file(data, json.dumps(measured.document(), indent=1) + "\n")
     write_file(out, draw(measured))
     for p in measured.points:

@@ -1,20 +1,78 @@
-"""Out of the trials of a sweep: contests, Pareto fronts, and what each option does by itself."""
+"""Out of the trials of a sweep: who took part in each contest, who is on its front, and why not."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
-import numpy as np
-
-from ..evidence.timing.ratios import median_interval
-from ..registry.axes import axis
-from ..sweep.record import Final, Run, Trial
-from .data import Contest, Effect, SweepSummary, VariantPoint
+from ..evidence.timing.ratios import Interval
+from ..sweep.record import Final, Times, Trial
 
 MORE_EXACT = 0.99  # a front goes on where an error is less by 1 %: last digits are not exactness
 EXACT, SCHEME = "the exact result", "the same scheme in long double"
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """A variant that was timed. `why`: of one faster than the chosen, why it was not chosen."""
+
+    trial: Trial
+    times: Times
+    tie: bool = False
+    front: bool = False
+    chosen: bool = False
+    why: str = ""
+
+    @property
+    def name(self) -> str:
+        return self.trial.subject.name
+
+    @property
+    def ratio(self) -> float:
+        return self.times.ratio
+
+    @property
+    def error(self) -> float:
+        found = self.trial.errors.max_rel_error if self.trial.errors else None
+        return float("nan") if found is None else found
+
+    def options(self, axes: Sequence[str]) -> tuple[str, ...]:
+        """Its codes; an axis that it has not, as those of lanes, is an empty one."""
+        return tuple(self.trial.subject.options.get(key, "") for key in axes)
+
+    def row(self, axes: Sequence[str]) -> dict[str, Any]:
+        subject, times = self.trial.subject, self.times
+        return {
+            "name": self.name,
+            "stepper": subject.stepper,
+            "width": subject.width,
+            "options": self.options(axes),
+            **{key: getattr(times, key) for key in ("ns", "ratio", "ratio_ci")},
+            "error": self.error,
+            "rung": self.trial.rung,
+            **{key: getattr(self, key) for key in ("tie", "front", "chosen", "why")},
+        }
+
+
+@dataclass(frozen=True)
+class Contest:
+    """Variants that answer the same question; fastest first."""
+
+    name: str
+    goal: str
+    call: str
+    family: str
+    against: str  # what the errors are taken against
+    axes: tuple[str, ...]
+    band: Interval | None  # ratios that cannot be told from the fastest
+    variants: tuple[Entrant, ...]
+
+    def row(self) -> dict[str, Any]:
+        keys = ("name", "goal", "call", "family", "against", "axes", "band")
+        variants = [entrant.row(self.axes) for entrant in self.variants]
+        return {**{key: getattr(self, key) for key in keys}, "variants": variants}
 
 
 def latest(trials: Iterable[Trial]) -> dict[tuple[str, str], Trial]:
@@ -37,47 +95,37 @@ def _asks_the_same(one: Trial, other: Trial) -> bool:
     return set(one.depends.differences(other.depends)) <= {"timing"}
 
 
-def summary_of(runs: Sequence[Run], trials: Sequence[Trial]) -> SweepSummary:
+def summary_of(trials: Sequence[Trial]) -> dict[str, Any]:
+    """How many trials and variants there are, and why which are not shown."""
     kept = latest(trials)
-    known = kept.values()
-    rejected: dict[str, int] = defaultdict(int)
     examples: dict[str, str] = {}
-    for trial in known:
+    rejected: dict[str, int] = defaultdict(int)
+    for trial in kept.values():
         if trial.rejection is not None:
             rejected[trial.rejection.reason] += 1
             text = f"{trial.subject.name}: {trial.rejection.text}"
             examples.setdefault(trial.rejection.reason, text)
-    times = sorted(trial.made_at for trial in trials)
-    return SweepSummary(
-        commands=tuple(dict.fromkeys(run.command for run in runs)),
-        from_to=(times[0], times[-1]) if times else None,
-        trials=len(trials),
-        variants=len(known),
-        timed=sum(trial.times is not None for trial in known),
-        longer=sum(_has_successor(trial, kept) for trial in trials),
-        outdated=sum(_is_outdated(trial, kept) for trial in trials),
-        rejected=dict(sorted(rejected.items())),
-        examples=examples,
-    )
+    last = [kept[trial.subject.contest, trial.subject.name] for trial in trials]
+    same = [_asks_the_same(trial, other) for trial, other in zip(trials, last, strict=True)]
+    again = [trial.id != other.id for trial, other in zip(trials, last, strict=True)]
+    return {
+        "trials": len(trials),
+        "variants": len(kept),
+        "timed": sum(trial.times is not None for trial in kept.values()),
+        # timed again for longer; tried again with other sources, compiler, cases or rules
+        "longer": sum(a and b for a, b in zip(same, again, strict=True)),
+        "outdated": same.count(False),
+        "rejected": dict(sorted(rejected.items())),
+        "examples": examples,
+    }
 
 
-def _has_successor(trial: Trial, kept: dict[tuple[str, str], Trial]) -> bool:
-    """Was the same question answered again, for longer?"""
-    last = kept[trial.subject.contest, trial.subject.name]
-    return trial.id != last.id and _asks_the_same(trial, last)
-
-
-def _is_outdated(trial: Trial, kept: dict[tuple[str, str], Trial]) -> bool:
-    """Was the variant tried again with other sources, compiler, cases or rules?"""
-    return not _asks_the_same(trial, kept[trial.subject.contest, trial.subject.name])
-
-
-def contests_of(trials: Iterable[Trial], finals: dict[str, Final]) -> list[Contest]:
+def contests_of(trials: Iterable[Trial], finals: Mapping[str, Final]) -> list[Contest]:
     """Every contest with a timed variant: fixed steps first, then the budgets, largest first."""
-    by_contest: dict[str, list[Trial]] = defaultdict(list)
+    by_contest: dict[str, list[Entrant]] = defaultdict(list)
     for (contest, _), trial in latest(trials).items():
         if trial.times is not None and trial.rejection is None:
-            by_contest[contest].append(trial)
+            by_contest[contest].append(Entrant(trial, trial.times))
     made = [_contest(name, found, finals.get(name)) for name, found in by_contest.items()]
     return sorted(made, key=_order)
 
@@ -87,124 +135,75 @@ def _order(contest: Contest) -> tuple[bool, bool, float]:
     return contest.call == "batch", contest.family != "euler", -budget
 
 
-def _contest(name: str, trials: list[Trial], final: Final | None) -> Contest:
-    first = trials[0].subject
+def _contest(name: str, found: list[Entrant], final: Final | None) -> Contest:
+    first = found[0].trial.subject
     euler = first.steps is not None
-    ties = set(final.ties) if final else set()
-    axes = tuple(dict.fromkeys(key for trial in trials for key in trial.subject.options))
-    points = sorted(
-        (_point(trial, axes, ties) for trial in trials), key=lambda p: (p.ratio, p.error, p.name)
-    )
+    found = sorted(found, key=lambda e: (e.ratio, e.error, e.name))
+    if final is not None:
+        found = _judged(found, final)
     return Contest(
         name=name,
         goal=f"N = {first.steps}" if euler else f"E = {first.budget:.0e}",
         call=first.call,
         family="euler" if euler else "exact",
         against=SCHEME if euler else EXACT,
-        axes=axes,
-        band=_band(points, final),
-        variants=_with_front(points),
+        axes=tuple(dict.fromkeys(key for e in found for key in e.trial.subject.options)),
+        band=_band(found, final),
+        variants=_with_front(found),
     )
 
 
-def _point(trial: Trial, axes: Sequence[str], ties: set[str]) -> VariantPoint:
-    """An axis that a variant has not, as those of lanes, is an empty code."""
-    assert trial.times is not None
-    error = trial.errors.max_rel_error if trial.errors else None
-    return VariantPoint(
-        name=trial.subject.name,
-        stepper=trial.subject.stepper,
-        width=trial.subject.width,
-        options=tuple(trial.subject.options.get(key, "") for key in axes),
-        ns=trial.times.ns,
-        ratio=trial.times.ratio,
-        ratio_ci=trial.times.ratio_ci,
-        error=error if error is not None else float("nan"),
-        rung=trial.rung,
-        tie=trial.subject.name in ties,
-        front=False,
+def _judged(found: Sequence[Entrant], final: Final) -> list[Entrant]:
+    """With what the final says of each."""
+    ratio = next((e.ratio for e in found if e.name == final.chosen), 0.0)
+    return [
+        replace(
+            entrant,
+            tie=entrant.name in final.ties,
+            chosen=entrant.name == final.chosen,
+            why=_why_not(entrant.trial, final) if entrant.ratio < ratio else "",
+        )
+        for entrant in found
+    ]
+
+
+def _why_not(trial: Trial, final: Final) -> str:
+    """Why a variant whose mark is faster than the chosen one's was not chosen."""
+    by_name = {row.subject.name: row for row in final.finalists}
+    own, chosen = by_name.get(trial.subject.name), by_name.get(final.chosen)
+    if own is None:
+        if trial.made_at > final.made_at:
+            return "was timed after the final"
+        return f"was not among the {len(by_name)} of the final, which were timed for longer"
+    if own.tie and chosen and own.distance >= chosen.distance:
+        return (
+            "ties with the fastest in the final; of ties the one with the fewest options from "
+            f"the default is chosen, which has {chosen.distance} and this one {own.distance}"
+        )
+    low, high = own.to_fastest_ci
+    return (
+        f"took {own.to_fastest:.4g} ({low:.4g} to {high:.4g}) of the fastest's time in the final, "
+        "where all are timed in turn in the same processes"
     )
 
 
-def _band(points: Sequence[VariantPoint], final: Final | None) -> tuple[float, float] | None:
+def _band(found: Sequence[Entrant], final: Final | None) -> Interval | None:
     """About the mark of the final's fastest kernel, as far as the A/A control goes to either side.
 
     About its mark, not its ratio in the final: that was taken at another time, in other company.
     """
-    fastest = next((p for p in points if final and p.name == final.fastest), None)
+    fastest = next((e for e in found if final and e.name == final.fastest), None)
     if final is None or fastest is None:
         return None
     low, high = final.control
     return fastest.ratio * low, fastest.ratio * high
 
 
-def _with_front(points: Sequence[VariantPoint]) -> tuple[VariantPoint, ...]:
-    """`points` fastest first: those more exact than all faster ones are on the front."""
-    least, found = float("inf"), []
-    for point in points:
-        front = point.error < MORE_EXACT * least
-        least = min(least, point.error) if front else least
-        found.append(replace(point, front=front))
-    return tuple(found)
-
-
-def effects_of(contests: Iterable[Contest], only: str | None = None) -> list[Effect]:
-    """For each pair of codes of an axis: the ratio of times over variants equal in all else.
-
-    `only`: this axis alone. Contests of a family are taken together, pairs never cross contests.
-    """
-    ratios: dict[tuple[str, str, str, str], list[float]] = defaultdict(list)
-    for contest in contests:
-        for index, key in enumerate(contest.axes):
-            if only is None or key == only:
-                for code, other, ratio in _pairs(contest, index):
-                    ratios[contest.family, key, code, other].append(ratio)
-    return [_effect(*key, values) for key, values in sorted(ratios.items(), key=_effect_order)]
-
-
-def _pairs(contest: Contest, index: int) -> list[tuple[str, str, float]]:
-    groups: dict[object, dict[str, float]] = defaultdict(dict)
-    for v in contest.variants:
-        rest = (v.stepper, v.width, *v.options[:index], *v.options[index + 1 :])
-        groups[rest][v.options[index]] = v.ratio
-    default = _codes(contest.axes[index])
-    found = []
-    for times in groups.values():
-        ranked = sorted(times, key=lambda code: default.get(code, len(default)))
-        for n, other in enumerate(ranked):
-            found += [(code, other, times[code] / times[other]) for code in ranked[n + 1 :]]
-    return found
-
-
-def _codes(key: str) -> dict[str, int]:
-    """Codes of an axis in its order; empty where the registry has no such axis any more."""
-    try:
-        return {code: n for n, code in enumerate(axis(key).codes())}
-    except KeyError:
-        return {}
-
-
-def _effect_order(item: tuple[tuple[str, str, str, str], list[float]]) -> tuple[object, ...]:
-    (family, key, code, other), _ = item
-    codes = _codes(key)
-    return family, key, codes.get(other, 99), codes.get(code, 99)
-
-
-def _effect(family: str, key: str, code: str, other: str, ratios: list[float]) -> Effect:
-    try:
-        texts = {choice.code: choice.text for choice in axis(key).choices}
-        text = f"{axis(key).text}: {texts.get(code, code)}; instead of {texts.get(other, other)}"
-    except KeyError:
-        text = "of an older registry"
-    values = np.array(ratios)
-    low, high = median_interval(values)
-    return Effect(
-        family=family,
-        axis=key,
-        code=code,
-        other=other,
-        text=text,
-        pairs=len(ratios),
-        ratio=float(np.median(values)),
-        ratio_ci=(low, high),
-    )
+def _with_front(found: Sequence[Entrant]) -> tuple[Entrant, ...]:
+    """`found` fastest first: those more exact than all faster ones are on the front."""
+    least, marked = float("inf"), []
+    for entrant in found:
+        front = entrant.error < MORE_EXACT * least
+        least = min(least, entrant.error) if front else least
+        marked.append(replace(entrant, front=front))
+    return tuple(marked)

@@ -12,7 +12,7 @@ const contrast = colour => { const [a, b] = [light(colour), light(paper)].sort((
 const probe = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
 document.body.append(probe);
 const colours = [...Array(8).keys()].map(n => { const r = document.createElementNS(
-  'http://www.w3.org/2000/svg', 'rect'); r.setAttribute('class', 'c' + n); probe.append(r);
+  'http://www.w3.org/2000/svg', 'rect'); r.style.fill = `var(--c${n})`; probe.append(r);
   return parse(getComputedStyle(r).fill); });
 return {paper, colours, scroll: page.scrollWidth, client: page.clientWidth, wide: wide.slice(0, 5),
         text: contrast(parse(getComputedStyle(document.body).color)),

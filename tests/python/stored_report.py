@@ -9,24 +9,24 @@ from random import Random
 
 from generator.evidence.profiling.counting import KINDS
 from generator.evidence.profiling.sections import SECTIONS
+from generator.evidence.timing.ratios import TimingResult
 from generator.evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
 from generator.registry.names import name_of
 from generator.registry.variant import Stepper, Variant, make_variant
-from generator.report.measured import (
+from generator.report.experiments.subjects import BASELINE, BEST, EULER, role_of_budget
+from generator.report.findings import (
     CallPoint,
     Counts,
+    Findings,
     GrowthPoint,
-    KernelFigures,
-    KindFigures,
-    Measured,
+    KernelFindings,
+    KindFindings,
     MissFigures,
     Modelled,
     SectionShares,
-    Timed,
     WorstInput,
     sources_hash,
 )
-from generator.report.subjects import BASELINE, BEST, EULER, role_of_budget
 from generator.sweep.record import (
     Depends,
     Errors,
@@ -217,24 +217,26 @@ def make_store(path: Path, target: str, count: int, seed: int = 1) -> MadeStore:
     return MadeStore(path, sum(isinstance(r, Trial) for r in records), rejected)
 
 
-def _kernel(role: str, variant: Variant, random: Random) -> KernelFigures:
+def _kernel(role: str, variant: Variant, random: Random) -> KernelFindings:
     ratio = ratio_of(variant)
     operations = {k: random.randint(0, 40) for k in KINDS if k not in ("call", "rare")}
     values = tuple(random.random().hex() for _ in OUTCOME_NAMES)
-    return KernelFigures(
+    return KernelFindings(
         role=role,
         name=name_of(variant),
         steps=variant.stepper.steps,
         budget=variant.stepper.budget,
-        timed=Timed(
+        timed=TimingResult(
+            name=name_of(variant),
+            tie=False,
             ns=ratio * NS,
             cycles=ratio * NS * 2.1,
             ratio=ratio,
             ratio_ci=(0.99 * ratio, 1.01 * ratio),
             latency_ns=None,
             seed_ns=ratio * NS,
-            seed_cycles=ratio * NS * 2.1,
         ),
+        seed_cycles=ratio * NS * 2.1,
         verified_error=7e-7,
         error=0.1 if variant.stepper.steps else variant.stepper.budget,
         outputs={name: random.random() * 1e-6 for name in OUTCOME_NAMES},
@@ -246,7 +248,7 @@ def _kernel(role: str, variant: Variant, random: Random) -> KernelFigures:
             exact=values,
         ),
         kinds={
-            kind: KindFigures(cases=20, error=1e-7, ns=random.random() * 1e4, evaluations=12.5)
+            kind: KindFindings(cases=20, error=1e-7, ns=random.random() * 1e4, evaluations=12.5)
             for kind in ("sticks", "grazing", "flip")
         },
         counts=Counts(
@@ -287,7 +289,7 @@ def _kernel(role: str, variant: Variant, random: Random) -> KernelFigures:
     )
 
 
-def make_measured(target: str, seed: int = 1) -> Measured:
+def make_findings(target: str, seed: int = 1) -> Findings:
     """Measurements of the report's kernels and of three chosen ones."""
     random = Random(seed)
     euler = Stepper("euler", steps=1000)
@@ -302,7 +304,7 @@ def make_measured(target: str, seed: int = 1) -> Measured:
         role_of_budget(1e-3): made(Stepper("dp54", budget=1e-3)),
         role_of_budget(1e-6): made(Stepper("dp54", budget=1e-6), root="est1"),
     }
-    return Measured(
+    return Findings(
         made_at=AT,
         sources=sources_hash(),
         command="./gen report --measure",
@@ -330,9 +332,15 @@ def make_measured(target: str, seed: int = 1) -> Measured:
                 kernel=name_of(rows[EULER]),
                 width=width,
                 call="batch" if width > 1 else "scalar",
-                ns=9000.0 / width,
-                ratio=1.0 / width,
-                ratio_ci=(0.99 / width, 1.01 / width),
+                timed=TimingResult(
+                    name="0",
+                    ns=9000.0 / width,
+                    cycles=9000.0 / width,
+                    ratio=1.0 / width,
+                    ratio_ci=(0.99 / width, 1.01 / width),
+                    latency_ns=None,
+                    tie=False,
+                ),
             )
             for width in (1, 4)
         ),

@@ -10,7 +10,12 @@ from click.testing import CliRunner
 
 from generator.cli.main import gen
 from generator.evidence.timing.bench_tool import ROOT
-from generator.report.figures.speed_error import Measured, Point, measured_of, pareto_front
+from generator.report.figures.speed_error import (
+    Point,
+    SpeedError,
+    pareto_front,
+    speed_error_of,
+)
 from generator.report.figures.speed_error_svg import draw
 
 DATA = ROOT / "docs" / "speed_against_error.json"
@@ -43,16 +48,16 @@ def test_pareto_front() -> None:
 def test_a_picture_has_no_date_and_the_same_bytes_each_time() -> None:
     groups = ("baseline", "euler", "exact", "family")
     points = tuple(point(1 / (i + 1), 10.0 ** -(i + 2), group) for i, group in enumerate(groups))
-    measured = Measured("a CPU", "zen3", "any", "mathavan2014", {"gcc": "12"}, points)
+    measured = SpeedError("a CPU", "zen3", "any", "mathavan2014", {"gcc": "12"}, points)
     first = draw(measured)
-    assert first == draw(measured_of(json.loads(json.dumps(measured.document()))))
+    assert first == draw(speed_error_of(json.loads(json.dumps(measured.document()))))
     assert "<dc:date>" not in first and "<dc:creator>" not in first
     assert first.startswith("<?xml") and "\r" not in first
 
 
 def test_the_committed_picture_is_that_of_its_data() -> None:
     document = json.loads(DATA.read_text("utf-8"))
-    assert draw(measured_of(document)) == PICTURE.read_text("utf-8"), (
+    assert draw(speed_error_of(document)) == PICTURE.read_text("utf-8"), (
         f"./gen plot --from {DATA.relative_to(ROOT)} --out {PICTURE.relative_to(ROOT)}"
     )
 

@@ -24,7 +24,7 @@ from generator.evidence.records.files import read_records, timings_path, union, 
 from generator.evidence.records.recipe import contest_of, recipe_of, variant_of_recipe
 from generator.evidence.verification.verdict import Verdict
 from generator.registry.variant import Stepper, Variant, make_variant
-from generator.report.cpus import cpu_costs
+from generator.report.sections.calls import cpu_costs
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.replay import Modelled
@@ -259,7 +259,7 @@ def test_a_page_says_what_the_kernel_chosen_for_one_cpu_costs_on_another() -> No
         for cpu, recipe, ratio in rows
     ]
     costs = cpu_costs(timings_of(records), "any", "pooltool")
-    found = {(c.made_for, c.timed_on): (c.recipe, c.cost, c.records) for c in costs}
+    found = {(c["made_for"], c["timed_on"]): (c["recipe"], c["cost"], c["records"]) for c in costs}
     print(found)
     assert found["zen3", "zen3"] == ("dp54 x1", 1.0, 2)
     assert found["zen3", "zen4"] == ("dp54 x1", 0.05 / 0.0399, 3)

@@ -9,14 +9,13 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from browser import ask, picture, script
 from click.testing import CliRunner, Result
 from hosts import believe
-from stored_report import EFFECTS, MadeStore, make_measured, make_store
+from stored_report import EFFECTS, MadeStore, make_findings, make_store
 
 import generator.cli.session as session
 import generator.places as places
@@ -26,16 +25,15 @@ from generator.evidence.verification.reference import CASE_NAMES, load_reference
 from generator.registry.names import variant_of
 from generator.registry.presets import PAPER_PRESETS
 from generator.registry.variant import Stepper, make_variant
-from generator.report.accuracy import kinds_of
-from generator.report.contests import contests_of, effects_of, latest, summary_of
-from generator.report.data import Effect
-from generator.report.gather import gather
-from generator.report.measured import Measured, measured_path, read_measured, write_measured
-from generator.report.page import render
-from generator.report.pictures import one_each
-from generator.report.plots import SIDE, Point, scatter
-from generator.report.published import NUMBA_CYCLES
-from generator.report.subjects import BASELINE, BEST, EULER, Subject, calls, last_finals
+from generator.report.contests import contests_of, latest, summary_of
+from generator.report.experiments.accuracy import kinds_of
+from generator.report.experiments.subjects import BASELINE, BEST, EULER, Subject, calls
+from generator.report.findings import Findings, findings_path, read_findings, write_findings
+from generator.report.known import Known, last_finals
+from generator.report.page import document_of, missing_of, render, sections_of
+from generator.report.plots import ASIDE, SIDE, Mark, side_by_side
+from generator.report.sections.effects import Effect, effects_of, one_each
+from generator.report.sections.published import NUMBA_CYCLES
 from generator.sweep.record import Final, Trial
 from generator.sweep.store import read_only
 
@@ -71,8 +69,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Made]:
     store = make_store(folder / "s.sqlite", TARGET, VARIANTS)
     with pytest.MonkeyPatch.context() as patch:
         _caches_in(folder, patch)
-        kept = measured_path(folder, TARGET, "any", "mathavan2014")
-        write_measured(kept, make_measured(TARGET))
+        kept = findings_path(folder, TARGET, "any", "mathavan2014")
+        write_findings(kept, make_findings(TARGET))
         page = folder / "report.html"
         start = time.process_time()  # other work on the machine is not in it
         result = _run("report", "--target", TARGET, "--store", store.path, "--out", page)
@@ -125,7 +123,8 @@ def test_plots_are_there_with_labels_and_legends_and_nothing_overlaps(
         assert plot["marks"] == plot["wanted"] > 0, plot["name"]
         assert plot["away"] == 0, plot["name"]
         assert plot["legend"] > 0
-        assert all(plot["labels"])
+        assert plot["labels"] and all(plot["labels"])
+        assert plot["away_from_data"] < 1.5, plot["name"]
         assert plot["ticks"] >= 4
         assert plot["colliding"] == []
         assert plot["outside"] == []
@@ -136,7 +135,7 @@ def test_plots_are_there_with_labels_and_legends_and_nothing_overlaps(
     assert plots["euler-scalar-N=1000"]["marks"] == timed[f"{TARGET}/any/mathavan2014/n1000/scalar"]
     assert plots["euler-batch-N=1000"]["marks"] == timed[f"{TARGET}/any/mathavan2014/n1000/batch"]
     assert plots["growth-time"]["marks"] == len(data["growth"])
-    assert plots["sections"]["marks"] == len(data["sections"])
+    assert plots["sections"]["marks"] == len(data["sections"]) * 5
     assert {"effects-euler", "effects-exact", "growth-error"} <= set(plots)
 
 
@@ -190,12 +189,12 @@ def test_the_effect_of_each_option_is_found_from_pairs(made: Made) -> None:
         effects = effects_of(contests_of(store.trials(), {}))
     checked = 0
     for effect in effects:
-        wanted = EFFECTS.get(effect.code, 1.0) / EFFECTS.get(effect.other, 1.0)
-        assert effect.ratio == pytest.approx(wanted), effect
-        assert effect.ratio_ci[0] <= effect.ratio <= effect.ratio_ci[1]
-        checked += effect.pairs
+        wanted = EFFECTS.get(effect["code"], 1.0) / EFFECTS.get(effect["other"], 1.0)
+        assert effect["ratio"] == pytest.approx(wanted), effect
+        assert effect["ratio_ci"][0] <= effect["ratio"] <= effect["ratio_ci"][1]
+        checked += effect["pairs"]
     print(f"{len(effects)} pairs of codes, {checked} pairs of variants")
-    assert {"rsqrt", "branch", "compiler", "loop", "root"} <= {e.axis for e in effects}
+    assert {"rsqrt", "branch", "compiler", "loop", "root"} <= {e["axis"] for e in effects}
 
 
 def test_the_front_holds_no_variant_that_another_beats(made: Made) -> None:
@@ -224,21 +223,24 @@ def test_the_trial_that_counts_is_the_newest_and_of_the_same_the_longest(made: M
     longer, shorter, other = again(2), again(1), again(0, source="changed")
     assert list(latest([first, longer, shorter]).values()) == [longer]
     assert list(latest([first, longer, other]).values()) == [other]
-    found = summary_of([], [first, longer, other])
-    assert (found.trials, found.variants, found.longer, found.outdated) == (3, 1, 0, 2)
-    found = summary_of([], [first, longer])
-    assert (found.longer, found.outdated) == (1, 0)
+    found = summary_of([first, longer, other])
+    assert [found[k] for k in ("trials", "variants", "longer", "outdated")] == [3, 1, 0, 2]
+    found = summary_of([first, longer])
+    assert (found["longer"], found["outdated"]) == (1, 0)
+
+
+def known(findings: Findings, *commands: str) -> Known:
+    return Known(TARGET, "any", "mathavan2014", "cpu", findings=findings, commands=commands)
 
 
 def test_measurements_of_other_sources_are_named(tmp_path: Path) -> None:
-    measured = make_measured(TARGET)
-    stored = SimpleNamespace(runs=(), trials=(), finals={})
+    findings = make_findings(TARGET)
 
     def missing(sources: str) -> dict[str, str]:
-        told = measured.model_copy(update={"sources": sources})
-        return gather(TARGET, "any", "mathavan2014", "cpu", stored, told, []).missing
+        told = findings.model_copy(update={"sources": sources})
+        return missing_of(sections_of(known(told)))
 
-    assert "age" not in missing(measured.sources)
+    assert "age" not in missing(findings.sources)
     assert "other sources of carom" in missing("changed")["age"]
 
 
@@ -275,7 +277,7 @@ def test_what_no_sweep_keeps_is_measured(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_kernels_with_lanes_are_called_beside_the_scalar_one_of_their_goal(made: Made) -> None:
-    measured = make_measured(TARGET)
+    measured = make_findings(TARGET)
     found = [Subject(k.role, variant_of(k.name), True) for k in measured.kernels]
     with read_only(made.store.path) as store:
         finals = last_finals(store.finals(), TARGET, "any", "mathavan2014")
@@ -343,31 +345,30 @@ def test_a_front_takes_no_step_for_the_last_digits_of_an_error(made: Made) -> No
 
 
 def test_marks_of_equal_kernels_do_not_hide_each_other(made: Made) -> None:
-    points = [Point(1e-6, 0.5 + 1e-4 * n, "circle", 0, str(n), front=n == 3) for n in range(11)]
-    plot = scatter("p", "t", points, [], "x", "y")
-    places = {mark.title: (mark.x, mark.y) for mark in plot.marks}
-    apart = min(
-        max(abs(a[0] - b[0]), abs(a[1] - b[1])) / SIDE
-        for a, b in itertools.combinations(places.values(), 2)
-    )
-    alone = scatter("p", "t", points[3:4], [], "x", "y").marks[0]
+    marks = [Mark(1e-6, 0.5 + 1e-4 * n, "o", 0, str(n), "", front=n == 3) for n in range(11)]
+    point = 0.001  # decades
+    moved = side_by_side(marks, (1e-7, 1e-5), point, point)
+    places = [np.log10([mark.x, mark.y]) / point / SIDE for mark in moved]
+    apart = min(float(abs(a - b).max()) for a, b in itertools.combinations(places, 2))
     print(f"{len(places)} marks, the nearest two are {apart:.2f} of a mark apart")
-    assert apart >= 1
-    assert places["3"][0] == alone.x  # of the front: where it belongs
-    far = Point(1e6, 0.5, "circle", 0, "far")
-    wide = scatter("p", "t", [*points, far], [], "x", "y")  # where a mark is as wide as 0.2 decades
-    assert len({mark.x for mark in wide.marks}) == 2
+    assert apart >= 1 - 1e-9
+    assert next(mark.x for mark in moved if mark.text == "3") == 1e-6  # of the front
+    assert max(abs(np.log10(mark.x / 1e-6)) for mark in moved) <= ASIDE
+    wide = side_by_side(
+        marks, (1e-7, 1e-5), 0.2 / SIDE, point
+    )  # where a mark is as wide as 0.2 decades
+    assert {mark.x for mark in wide} == {1e-6}
 
 
 def test_each_option_has_a_row_even_if_none_was_timed_with_the_default(made: Made) -> None:
     def effect(code: str, other: str, pairs: int) -> Effect:
-        return Effect("euler", "rsqrt", code, other, "", pairs, 0.9, (0.8, 1.0))
+        return {"axis": "rsqrt", "code": code, "other": other, "pairs": pairs}
 
     rows = [effect("est1", "inv", 8), effect("ahead", "inv", 3), effect("ahead", "est1", 6)]
-    shown = [(e.code, e.other) for e in one_each(rows)]
+    shown = [(e["code"], e["other"]) for e in one_each(rows)]
     assert shown == [("est1", "inv"), ("ahead", "est1")]
     rows.append(effect("ahead", "div", 1))  # the axis' default
-    assert [(e.code, e.other) for e in one_each(rows)] == [("est1", "inv"), ("ahead", "div")]
+    assert [(e["code"], e["other"]) for e in one_each(rows)] == [("est1", "inv"), ("ahead", "div")]
 
 
 def test_rejections_are_counted_by_reason(made: Made) -> None:
@@ -406,28 +407,30 @@ def test_what_is_not_known_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert nothing.exit_code == 2
     assert "./gen sweep --target zen3" in nothing.stderr
     assert not page.exists()
-    write_measured(measured_path(tmp_path, TARGET, "any", "mathavan2014"), make_measured(TARGET))
+    write_findings(findings_path(tmp_path, TARGET, "any", "mathavan2014"), make_findings(TARGET))
     assert _run("report", "--target", TARGET, "--out", page).exit_code == 0
     text = page.read_text("utf-8")
-    assert "no sweep is stored for it: ./gen sweep" in text
+    assert "No sweep is stored for it: ./gen sweep" in text
     store = make_store(tmp_path / "sweep.sqlite", TARGET, 60)
-    measured_path(tmp_path, TARGET, "any", "mathavan2014").unlink()
+    findings_path(tmp_path, TARGET, "any", "mathavan2014").unlink()
     assert _run("report", "--target", TARGET, "--out", page).exit_code == 0
     text = page.read_text("utf-8")
-    assert text.count("not measured yet: ./gen report --measure") >= 9
-    assert "Sections of the kernel" in text
+    page_text = text.partition('<script type="application/json"')[0]
+    assert page_text.count("Not measured yet: ./gen report --measure") == 1
+    assert "Sections of the kernel" in page_text
+    assert page_text.count("<section ") == 7
     assert store.trials > 60
 
 
 def test_a_broken_file_of_measurements_is_named(tmp_path: Path) -> None:
     path = tmp_path / "m.json"
-    document = json.loads(make_measured(TARGET).model_dump_json())
+    document = json.loads(make_findings(TARGET).model_dump_json())
     document["kernels"][0]["role"] = 7
     path.write_text(json.dumps(document), encoding="utf-8")
     with pytest.raises(Exception, match=r"m\.json: kernels\.0\.role"):
-        read_measured(path)
-    write_measured(path, make_measured(TARGET))
-    assert read_measured(path) == make_measured(TARGET)
+        read_findings(path)
+    write_findings(path, make_findings(TARGET))
+    assert read_findings(path) == make_findings(TARGET)
 
 
 @pytest.mark.parametrize(
@@ -451,19 +454,11 @@ def test_wrong_use_is_one_line_and_writes_nothing(
 
 
 def test_kernels_with_markup_in_their_text_do_not_break_the_page() -> None:
-    measured: Measured = make_measured(TARGET)
-    kernels = (measured.kernels[0].model_copy(update={"missing": {"x": "</script><b>&"}}),)
-    stored = SimpleNamespace(runs=(), trials=(), finals={})
-    report = gather(
-        TARGET,
-        "any",
-        "mathavan2014",
-        "cpu",
-        stored,
-        measured.model_copy(update={"kernels": kernels}),
-        ["<b>"],
-    )
-    text = render(report)
+    findings = make_findings(TARGET)
+    kernels = (findings.kernels[0].model_copy(update={"missing": {"x": "</script><b>&"}}),)
+    told = known(findings.model_copy(update={"kernels": kernels}), "<b>")
+    sections = sections_of(told)
+    text = render(sections, document_of(told, sections))
     assert "</script><b>" not in text
     assert text.count("</script>") == 1
 

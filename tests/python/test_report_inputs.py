@@ -14,9 +14,10 @@ from generator.choice.workbench import Candidate, Expected
 from generator.evidence.timing.plan import TimingPlan
 from generator.evidence.verification.verdict import Verdict
 from generator.registry.variant import Stepper, make_variant
-from generator.report.measured import ROOMS
-from generator.report.subjects import Called, last_finals
-from generator.report.times import time_calls
+from generator.report.experiments.subjects import Called
+from generator.report.experiments.times import time_calls
+from generator.report.findings import ROOMS
+from generator.report.known import last_finals
 from generator.sweep.store import opened
 from generator.targets.target import find_target
 from generator.toolchain.build import BuiltLibrary
@@ -33,7 +34,8 @@ def test_a_re_timing_does_not_take_the_place_of_the_choice(tmp_path: Path) -> No
 
 
 def test_a_measurement_is_stale_by_a_scene_and_by_a_target(tmp_path: Path) -> None:
-    assert {"scenes", "targets", "lowering", "verification", "profiling"} <= set(ROOMS)
+    assert {"impacts", "targets", "lowering"} <= set(ROOMS)
+    assert {"evidence/verification", "evidence/profiling"} <= set(ROOMS)
     package = Path(__file__).parents[2] / "generator"
     assert all((package / room).is_dir() for room in ROOMS)
 

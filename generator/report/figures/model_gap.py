@@ -8,7 +8,7 @@ import numpy as np
 
 from ...evidence.timing.bench_tool import BenchTool
 from ...evidence.verification.errors import Array
-from .drawing import BLUE, GREEN, ORANGE, figure, svg_of
+from ..drawing import COLOURS, figure, svg_of
 
 R, M, U_S, U_B, E_B = 0.028575, 0.170097, 0.2, 0.05, 0.95  # pool balls, 1.5 m/s
 SPEED = 1.5
@@ -16,7 +16,7 @@ CUTS = np.linspace(0.0, 85.0, 171)  # degrees
 SPINS = {"full draw": -1.0, "half draw": -0.5, "rolling": 1.0}  # R w / v; with none, models agree
 MODELS = ("pooltool", "bottom_slip")  # against mathavan2014
 TITLE = "What the other contact models make of a shot, against mathavan2014"
-_COLOURS = {"full draw": ORANGE, "half draw": GREEN, "rolling": BLUE}
+_COLOURS = {"full draw": COLOURS[1], "half draw": COLOURS[2], "rolling": COLOURS[0]}
 _LINES = {"pooltool": "-", "bottom_slip": (0, (5, 2))}
 
 
@@ -59,7 +59,7 @@ def _gap(other: Array, truth: Array) -> Gap:
 
 def draw(gaps: dict[tuple[str, str], Gap]) -> str:
     """Two pictures side by side, as SVG."""
-    with figure(columns=2, width=9.0, height=4.2) as (made, (left, right)):
+    with figure(columns=2, width=11.0, height=5.4) as (made, (left, right)):
         for (model, spin), gap in gaps.items():
             style = {"color": _COLOURS[spin], "ls": _LINES[model], "lw": 1.6}
             left.plot(CUTS, gap.speed, label=f"{model}, {spin}", **style)
@@ -70,11 +70,7 @@ def draw(gaps: dict[tuple[str, str], Gap]) -> str:
         for axes in (left, right):
             axes.set_xlabel("cut angle, degrees")
             axes.set_xlim(0, 85)
-            axes.spines["right"].set_visible(False)
         left.set_ylim(bottom=0)
-        left.legend(fontsize=8)
-        made.suptitle(
-            f"{TITLE}\npool balls at {SPEED} m/s, $u_b$ = {U_B}, $u_s$ = {U_S}",
-            fontsize=10,
-        )
+        left.legend()
+        made.suptitle(f"{TITLE}\npool balls at {SPEED} m/s, u_b = {U_B}, u_s = {U_S}")
         return svg_of(made, TITLE)

@@ -55,7 +55,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Measured:
+class SpeedError:
     """The data of the picture."""
 
     cpu: str
@@ -69,11 +69,11 @@ class Measured:
         return {"schema": 1, **asdict(self)}
 
 
-def measured_of(document: dict[str, Any]) -> Measured:
+def speed_error_of(document: dict[str, Any]) -> SpeedError:
     """The data as `document` gave it. Raises TypeError or KeyError where something is missing."""
     known = {key: value for key, value in document.items() if key not in ("schema", "points")}
     points = [{**p, "ratio_ci": tuple(p["ratio_ci"])} for p in document["points"]]
-    return Measured(**known, points=tuple(Point(**p) for p in points))
+    return SpeedError(**known, points=tuple(Point(**p) for p in points))
 
 
 @dataclass
@@ -103,7 +103,7 @@ class Entry:
         return self.error <= (self.budget or np.inf)
 
 
-def measure(
+def measure_speed_error(
     bench: Workbench,
     generated: Path,
     target: Target,
@@ -111,7 +111,7 @@ def measure(
     scene: str,
     model: str,
     seconds: float,
-) -> Measured:
+) -> SpeedError:
     """Emit, compile, verify and time all that the picture shows."""
     entries = _entries(bench, generated, target, scene, model)
     bench.compile([entry.candidate for entry in entries])
@@ -122,7 +122,7 @@ def measure(
     found = [_point(entry, times[entry.candidate.name]) for entry in entries]
     versions = {code: compiler.version for code, compiler in bench.compilers.items()}
     points = _ordered(_with_the_chosen(found))
-    return Measured(host.cpu, target.name, scene, model, versions, points)
+    return SpeedError(host.cpu, target.name, scene, model, versions, points)
 
 
 def _entries(

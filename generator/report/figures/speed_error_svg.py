@@ -1,4 +1,4 @@
-"""The picture of speed against error."""
+"""The picture of speed against error: all schemes on the left, every tableau on the right."""
 
 from __future__ import annotations
 
@@ -7,93 +7,89 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...tableaus.tableaus import TABLEAUS
-from .drawing import BLACK, BLUE, GREY, ORANGE, PINK, RED, figure, svg_of
-from .speed_error import Measured, Point, pareto_front
+from ..drawing import COLOURS, PAPER, TEXT, figure, svg_of
+from .speed_error import Point, SpeedError, pareto_front
 
-MARKS = ("^", "v", "<", ">", "D", "P", "X", "h", "p", "d")
+BLUE, RED, PINK = COLOURS[0], COLOURS[1], COLOURS[3]
+# Shapes and fills of the tableaus, in their order: neighbours differ in both.
+LOOKS = tuple(zip("ovsD^P<Xh", (*COLOURS[1:], COLOURS[0], TEXT), strict=False))
 TITLE = "Time for a collision against its largest error"
 
 
-def draw(measured: Measured) -> str:
+def draw(shown: SpeedError) -> str:
     """The picture as SVG."""
     groups: dict[str, list[Point]] = {}
-    for point in measured.points:
+    for point in shown.points:
         groups.setdefault(point.group, []).append(point)
-    with figure() as (made, axes):
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.invert_xaxis()
-        shown = [p for p in measured.points if p.group != "family" or p.within_budget]
-        _front(axes, pareto_front(shown))
-        _euler(axes, groups["euler"])
-        _family(axes, [p for p in groups.get("family", []) if p.within_budget])
-        _exact(axes, groups["exact"])
-        base = groups["baseline"][0]
+    family = [p for p in groups.get("family", []) if p.within_budget]
+    base, exact = groups["baseline"][0], groups["exact"]
+    with figure(columns=2, width=11.0, height=6.4) as (made, (left, right)):
+        for axes in (left, right):
+            axes.set(xscale="log", yscale="log")
+            axes.invert_xaxis()
+            axes.set_xlabel("largest error, relative to |v1 \u2212 v2| (smaller to the right)")
+        left.set_ylabel("mean time for one collision, ns")
+        left.set_title("Fixed steps and exact steppers")
+        right.set_title("Every tableau, within its budget")
+        _euler(left, groups["euler"])
+        _line(left, exact, "s-", BLUE, "exact steppers, chosen for E = 1e-2 ... 1e-12")
         label = "paper-initial: the report's first C, N = 1000"
-        star = {"ms": 13, "ls": "none", "color": BLACK, "zorder": 6, "label": label}
-        axes.plot(base.max_rel_error, base.ns, "*", **star)
-        axes.set_xlabel("largest error of any case, relative to |v1 - v2| (smaller to the right)")
-        axes.set_ylabel("mean time for one collision, ns")
-        scale = base.ns / base.ratio
-        right = axes.secondary_yaxis(
-            "right", functions=(lambda ns: ns / scale, lambda ratio: ratio * scale)
-        )
-        right.set_ylabel("of paper-initial")
-        axes.spines["right"].set_visible(False)
-        axes.set_title(
-            f"{TITLE}\n{measured.model}, scene {measured.scene}; {measured.target}, one thread",
-            fontsize=10,
-            loc="left",
-        )
-        axes.set_ylim(bottom=min(p.ns for p in measured.points) / 2)
-        axes.legend(loc="upper right", fontsize=8)
+        left.plot(base.max_rel_error, base.ns, "*", ms=14, ls="none", color=TEXT, label=label)
+        _names(left, exact)
+        front = pareto_front([*family, *exact])
+        x, y = [p.max_rel_error for p in front], [p.ns for p in front]
+        style = {"color": TEXT, "lw": 1.0, "ls": (0, (4, 2)), "label": "Pareto front"}
+        right.step(x, y, where="pre", **style)
+        _tableaus(right, [*family, *exact])
+        style = {"mfc": "none", "mec": BLUE, "ms": 13, "mew": 1.6, "ls": "none"}
+        x, y = [p.max_rel_error for p in exact], [p.ns for p in exact]
+        right.plot(x, y, "s", label="chosen for a budget E", **style)
+        left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13))
+        right.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3)
+        _ratios(right, base)
+        made.suptitle(f"{TITLE}: {shown.model}, scene {shown.scene}; {shown.target}, one thread")
         return svg_of(made, TITLE)
 
 
-def _front(axes: Any, front: Sequence[Point]) -> None:
-    """A staircase: right of and below it lies what no kernel reaches."""
-    x = [p.max_rel_error for p in front]
-    y = [p.ns for p in front]
-    axes.step(x, y, where="post", color=BLACK, lw=1.0, ls=(0, (4, 2)), label="Pareto front")
+def _line(axes: Any, points: Sequence[Point], look: str, colour: str, label: str) -> None:
+    x, y = [p.max_rel_error for p in points], [p.ns for p in points]
+    axes.plot(x, y, look, color=colour, ms=6.5, lw=1.3, label=label)
 
 
 def _euler(axes: Any, points: Sequence[Point]) -> None:
-    x, y = [p.max_rel_error for p in points], [p.ns for p in points]
-    label = "fixed-step Euler, our fastest kernel, N = 10 ... $10^6$"
-    axes.plot(x, y, "o-", color=RED, ms=6, lw=1.2, label=label, zorder=4)
-    easier = [p.max_slipping_error for p in points]
-    style = {"color": PINK, "ms": 5.5, "lw": 1.2, "mfc": "white", "zorder": 4}
-    axes.plot(easier, y, "o--", label="the same, without contacts that stick", **style)
+    """All cases, and beside them those without contacts that stick."""
+    _line(axes, points, "o-", RED, "fixed-step Euler, our fastest kernel, N = 10 ... 1e6")
+    x, y = [p.max_slipping_error for p in points], [p.ns for p in points]
+    style = {"color": PINK, "ms": 6, "lw": 1.3, "mfc": PAPER}
+    axes.plot(x, y, "o--", label="the same, without contacts that stick", **style)
     for point in points:
-        steps = point.steps or 0
-        exponent = len(str(steps)) - 1
-        if str(steps)[0] == "1":
-            text = f"N = {steps}" if exponent < 4 else f"$N = 10^{exponent}$"
-            note = {"xytext": (7, 4), "textcoords": "offset points", "ha": "left"}
-            axes.annotate(
-                text, (point.max_slipping_error, point.ns), fontsize=8, color=BLACK, **note
-            )
+        if str(point.steps)[0] == "1":
+            note = {"xytext": (5, 6), "textcoords": "offset points", "fontsize": 10}
+            text, place = f"N = {point.steps:,}", (point.max_slipping_error, point.ns)
+            axes.annotate(text.replace(",", "\u202f"), place, **note)
 
 
-def _exact(axes: Any, points: Sequence[Point]) -> None:
-    x, y = [p.max_rel_error for p in points], [p.ns for p in points]
-    label = "exact steppers, chosen for E = $10^{-2}$ ... $10^{-12}$"
-    axes.plot(x, y, "s-", color=BLUE, ms=6.5, lw=1.2, label=label, zorder=5)
+def _names(axes: Any, points: Sequence[Point]) -> None:
+    """The budgets, below the marks of some of the chosen."""
     for point in points:
-        exponent = round(-math.log10(point.budget or 1.0))
-        if exponent % 3 == 0:
+        if round(-math.log10(point.budget or 1.0)) % 3 == 0:
             note = {"xytext": (0, -17), "textcoords": "offset points", "ha": "center"}
-            text, place = f"$E = 10^{{-{exponent}}}$", (point.max_rel_error, point.ns)
-            axes.annotate(text, place, fontsize=8, color=BLUE, **note)
+            text, place = f"E = {point.budget:.0e}", (point.max_rel_error, point.ns)
+            axes.annotate(text.replace("e-0", "e-"), place, fontsize=10, color=BLUE, **note)
+    axes.set_ylim(bottom=min(p.ns for p in points) / 2.5)
 
 
-def _family(axes: Any, points: Sequence[Point]) -> None:
-    """Small marks, one shape a tableau."""
-    for index, (name, tableau) in enumerate(TABLEAUS.items()):
+def _tableaus(axes: Any, points: Sequence[Point]) -> None:
+    """One shape and colour a tableau."""
+    for (name, tableau), (shape, colour) in zip(TABLEAUS.items(), LOOKS, strict=False):
         own = [p for p in points if p.stepper == name]
         if own:
-            fill = ORANGE if index % 2 else "white"
-            style = {"ms": 4, "ls": "none", "mew": 0.8, "mec": GREY, "mfc": fill, "zorder": 3}
             x, y = [p.max_rel_error for p in own], [p.ns for p in own]
-            label = f"{name}, order {tableau.order}"
-            axes.plot(x, y, MARKS[index % len(MARKS)], label=label, **style)
+            style = {"ms": 7, "ls": "none", "mew": 0.7, "mec": PAPER, "mfc": colour}
+            axes.plot(x, y, shape, label=f"{name}, order {tableau.order}", **style)
+
+
+def _ratios(axes: Any, base: Point) -> None:
+    scale = base.ns / base.ratio
+    ends = (lambda ns: ns / scale, lambda ratio: ratio * scale)
+    axes.secondary_yaxis("right", functions=ends).set_ylabel("of paper-initial")

@@ -1,7 +1,7 @@
 """What `./gen report --measure` measures beyond a sweep, and how it is kept. Plain data.
 
 Times are in ns for one collision, errors relative to |v1 - v2| before it (R w for spins) unless a
-name says otherwise. The file is JSON; `read_measured` is strict about its fields.
+name says otherwise. The file is JSON; `read_findings` is strict about its fields.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from ..errors import InputError
+from ..evidence.timing.ratios import Interval, TimingResult
 from ..files import write_file
 from ..sweep.sources import SHAPING, hash_of_rooms
 
-SCHEMA: Literal[2] = 2
+SCHEMA: Literal[3] = 3
 # What kernels, verdicts and counts follow from.
 ROOMS = (*SHAPING, "evidence/verification", "evidence/profiling")
 Source = Literal["hardware counters", "valgrind's simulation"]
@@ -25,18 +26,6 @@ Source = Literal["hardware counters", "valgrind's simulation"]
 
 class _Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants")
-
-
-class Timed(_Part):
-    """A kernel in the plan that holds all of them, interleaved with `paper-initial`."""
-
-    ns: float
-    cycles: float  # of the time stamp counter
-    ratio: float
-    ratio_ci: tuple[float, float]
-    latency_ns: float | None
-    seed_ns: float | None  # mean over the report's five cases
-    seed_cycles: float | None
 
 
 class WorstInput(_Part):
@@ -49,7 +38,7 @@ class WorstInput(_Part):
     exact: tuple[str, ...]
 
 
-class KindFigures(_Part):
+class KindFindings(_Part):
     """A kind of cases through one kernel."""
 
     cases: int
@@ -101,19 +90,20 @@ class Modelled(_Part):
     note: str  # why there is no figure, or what was taken
 
 
-class KernelFigures(_Part):
+class KernelFindings(_Part):
     """All that was measured of one kernel; None: not measured, `missing` says why."""
 
     role: str  # `paper-initial`, ..., `Euler, chosen`, `E = 1e-06, chosen`
     name: str
     steps: int | None
     budget: float | None
-    timed: Timed | None
+    timed: TimingResult | None  # in the plan that holds all kernels
+    seed_cycles: float | None  # of the time stamp counter: mean over the report's five cases
     verified_error: float | None  # against what the kernel must reproduce
     error: float | None  # largest, against the exact result
     outputs: dict[str, float]  # largest error of each velocity against the exact result
     worst: WorstInput | None
-    kinds: dict[str, KindFigures]
+    kinds: dict[str, KindFindings]
     counts: Counts | None
     sections: SectionShares | None
     misses: tuple[MissFigures, ...]
@@ -138,15 +128,13 @@ class CallPoint(_Part):
     kernel: str
     width: int
     call: Literal["scalar", "batch"]
-    ns: float
-    ratio: float  # to the scalar call of the same goal
-    ratio_ci: tuple[float, float]
+    timed: TimingResult  # its ratio is to the scalar call of the same goal
 
 
-class Measured(_Part):
+class Findings(_Part):
     """The file."""
 
-    schema_version: Literal[2] = SCHEMA
+    schema_version: Literal[3] = SCHEMA
     made_at: str
     sources: str  # `sources_hash` then: what the kernels and their figures follow from
     command: str
@@ -158,15 +146,15 @@ class Measured(_Part):
     flags: dict[str, str]  # by role
     seeds: dict[str, int]
     tsc_ghz: float
-    control: tuple[float, float]  # ratios that the baseline has to itself
+    control: Interval  # ratios that the baseline has to itself
     rounds: int
     timing_cases: int
     verified_cases: int
-    kernels: tuple[KernelFigures, ...]
+    kernels: tuple[KernelFindings, ...]
     growth: tuple[GrowthPoint, ...]
     calls: tuple[CallPoint, ...]
 
-    def find(self, role: str) -> KernelFigures | None:
+    def find(self, role: str) -> KernelFindings | None:
         return next((k for k in self.kernels if k.role == role), None)
 
 
@@ -176,20 +164,20 @@ def sources_hash() -> str:
     return hash_of_rooms(ROOMS)[:16]
 
 
-def measured_path(cache: Path, target: str, scene: str, model: str) -> Path:
+def findings_path(cache: Path, target: str, scene: str, model: str) -> Path:
     return cache / "report" / f"{target}.{scene}.{model}.json"
 
 
-def write_measured(path: Path, measured: Measured) -> None:
-    write_file(path, measured.model_dump_json(indent=1) + "\n", parents=True)
+def write_findings(path: Path, findings: Findings) -> None:
+    write_file(path, findings.model_dump_json(indent=1) + "\n", parents=True)
 
 
-def read_measured(path: Path) -> Measured | None:
+def read_findings(path: Path) -> Findings | None:
     """What was measured before; None where nothing was. InputError where it does not read."""
     if not path.exists():
         return None
     try:
-        return Measured(**json.loads(path.read_text("utf-8")))
+        return Findings(**json.loads(path.read_text("utf-8")))
     except (OSError, ValueError, TypeError) as error:
         first = error.errors()[0] if isinstance(error, ValidationError) else None
         where = ".".join(str(part) for part in first["loc"]) if first else "(file)"

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..choice.verifying import Expected
-from ..evidence.timing.bench_tool import BenchTool
-from ..evidence.verification.errors import (
+from ...choice.verifying import Expected
+from ...evidence.timing.bench_tool import BenchTool
+from ...evidence.verification.errors import (
     CASE_COLUMNS,
     SLIPS,
     STATUS,
@@ -20,8 +20,8 @@ from ..evidence.verification.errors import (
     errors_of,
     relative_speed,
 )
-from ..evidence.verification.reference import OUTCOME_NAMES
-from .measured import WorstInput
+from ...evidence.verification.reference import OUTCOME_NAMES
+from ..findings import WorstInput
 
 _SPIN_COLUMNS = [n for n, name in enumerate(OUTCOME_NAMES) if name.startswith("w")]
 

@@ -6,16 +6,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..choice.candidates import baseline, paper_rows
-from ..choice.lookup import Goal, kernel_for, with_compiler_found
-from ..choice.selection import read_selection
-from ..registry.names import name_of, variant_of
-from ..registry.rules import broken_rule
-from ..registry.variant import Stepper, Variant
-from ..sweep.record import Final
-from ..sweep.space import variant_of_subject
-from ..targets.target import Target
-from ..toolchain.compilers import Compiler
+from ...choice.candidates import baseline, paper_rows
+from ...choice.lookup import Goal, kernel_for, with_compiler_found
+from ...choice.selection import read_selection
+from ...registry.names import name_of, variant_of
+from ...registry.rules import broken_rule
+from ...registry.variant import Stepper, Variant
+from ...sweep.record import Final
+from ...sweep.space import variant_of_subject
+from ...targets.target import Target
+from ...toolchain.compilers import Compiler
 
 STEPS = 1000
 BUDGETS = (1e-3, 1e-6, 1e-9)
@@ -46,16 +46,6 @@ class Called:
 
 def role_of_budget(budget: float) -> str:
     return f"E = {budget:.0e}, chosen"
-
-
-def last_finals(finals: Iterable[Final], target: str, scene: str, model: str) -> dict[str, Final]:
-    """The newest final of each contest of a target, scene and model; re-timings do not choose."""
-    prefix = f"{target}/{scene}/{model}/"
-    found = {}
-    for final in finals:
-        if final.contest.startswith(prefix) and final.purpose == "choice":
-            found[final.contest] = final
-    return found
 
 
 def _chosen_by_sweep(finals: dict[str, Final], call: str) -> dict[tuple[int | None, str], Variant]:

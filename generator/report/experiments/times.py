@@ -7,18 +7,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..choice.verifying import Expected
-from ..choice.workbench import Candidate, Workbench
-from ..evidence.timing.plan import PlannedKernel, TimingPlan
-from ..evidence.timing.ratios import TimingRun, median_interval, timing_results
-from ..evidence.verification.errors import Array
-from ..evidence.verification.reference import load_reference
-from ..impacts.ball_ball.scene import find_scene
-from ..registry.names import name_of
-from ..registry.variant import Stepper
-from ..targets.target import Target
+from ...choice.verifying import Expected
+from ...choice.workbench import Candidate, Workbench
+from ...evidence.timing.plan import PlannedKernel, TimingPlan
+from ...evidence.timing.ratios import TimingResult, TimingRun, timing_results
+from ...evidence.verification.errors import Array
+from ...evidence.verification.reference import load_reference
+from ...impacts.ball_ball.scene import find_scene
+from ...registry.names import name_of
+from ...registry.variant import Stepper
+from ...targets.target import Target
+from ..findings import CallPoint, GrowthPoint, Modelled
 from .accuracy import Accuracy, accuracy_of, kinds_of
-from .measured import CallPoint, GrowthPoint, Timed
 from .profile import Profile
 from .subjects import BASELINE, EULER, Called, Subject
 
@@ -33,9 +33,10 @@ class Study:
 
     subject: Subject
     candidate: Candidate
-    timed: Timed | None = None
+    timed: TimingResult | None = None
     accuracy: Accuracy | None = None
     profile: Profile | None = None
+    modelled: tuple[Modelled, ...] = ()
 
 
 def time_all(
@@ -59,18 +60,7 @@ def time_all(
     run = bench.tool.time(plan)
     results = {result.name: result for result in timing_results(run)}
     for study in studies:
-        result = results.get(study.candidate.name)
-        if result is not None:
-            cycles = None if result.seed_ns is None else result.seed_ns * run.tsc_ghz
-            study.timed = Timed(
-                ns=result.ns,
-                cycles=result.cycles,
-                ratio=result.ratio,
-                ratio_ci=result.ratio_ci,
-                latency_ns=result.latency_ns,
-                seed_ns=result.seed_ns,
-                seed_cycles=cycles,
-            )
+        study.timed = results.get(study.candidate.name)
     return run
 
 
@@ -199,13 +189,12 @@ def time_calls(
 
 
 def _call(run: TimingRun, one: Called, label: str, scalar: str) -> CallPoint:
-    ratios = run.throughput.ns[label] / run.throughput.ns[scalar]
+    """Against the scalar call of the same goal instead of the first."""
+    results = timing_results(replace(run, baseline=scalar))
     return CallPoint(
         role=one.role,
         kernel=name_of(one.variant),
         width=one.variant.width,
         call="batch" if one.batch else "scalar",
-        ns=float(np.median(run.throughput.ns[label])),
-        ratio=float(np.median(ratios)),
-        ratio_ci=median_interval(ratios),
+        timed=next(result for result in results if result.name == label),
     )

@@ -7,18 +7,18 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, replace
 from typing import Any
 
-from ..choice.modelling import modelled as replayed
-from ..choice.store import key_of
-from ..choice.workbench import Candidate, Workbench
-from ..errors import InputError, KernelError
-from ..evidence.verification.errors import Array
-from ..registry.rules import broken_rule
-from ..registry.variant import Variant
-from ..targets.host import Host
-from ..targets.target import Target, targets
-from ..toolchain.loops import marked_loops
-from ..toolchain.mca import analyse, assembly_of, require_mca
-from .measured import Modelled
+from ...choice.modelling import modelled as replayed
+from ...choice.store import key_of
+from ...choice.workbench import Candidate, Workbench
+from ...errors import InputError, KernelError
+from ...evidence.verification.errors import Array
+from ...registry.rules import broken_rule
+from ...registry.variant import Variant
+from ...targets.host import Host
+from ...targets.target import Target, targets
+from ...toolchain.loops import marked_loops
+from ...toolchain.mca import analyse, assembly_of, require_mca
+from ..findings import Modelled
 
 REPLAYED = 16  # collisions, of each kernel on each target
 _UNITS = 6  # of a CPU, the busiest ones

@@ -7,21 +7,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
 
-from ..choice.workbench import Candidate, Workbench
-from ..emission.kernel_source import emit
-from ..errors import KernelError
-from ..evidence.profiling.counting import KINDS, Counted, count_operations
-from ..evidence.profiling.misses import simulate_misses
-from ..evidence.profiling.sampling import Sampled, sample
-from ..evidence.verification.errors import Array
-from ..registry.rules import broken_rule
-from ..registry.variant import Variant
-from ..targets.host import Host
-from ..targets.target import Target, find_target
-from ..toolchain.build import build_library
-from ..toolchain.compilers import Compiler
-from ..toolchain.flags import compile_flags
-from .measured import Counts, MissFigures, SectionShares
+from ...choice.workbench import Candidate, Workbench
+from ...emission.kernel_source import emit
+from ...errors import KernelError
+from ...evidence.profiling.counting import KINDS, Counted, count_operations
+from ...evidence.profiling.misses import simulate_misses
+from ...evidence.profiling.sampling import Sampled, sample
+from ...evidence.verification.errors import Array
+from ...registry.rules import broken_rule
+from ...registry.variant import Variant
+from ...targets.host import Host
+from ...targets.target import Target, find_target
+from ...toolchain.build import build_library
+from ...toolchain.compilers import Compiler
+from ...toolchain.flags import compile_flags
+from ..findings import Counts, MissFigures, SectionShares
 
 SIMULATED = ("x86-64-v3", "x86-64-v2")  # what valgrind can run, the first that it does run
 Made = TypeVar("Made")

@@ -1,0 +1,201 @@
+"""`./gen report --measure`: what a report needs that no sweep keeps. Minutes, once, then read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import numpy as np
+
+from ...choice.verifying import Expected
+from ...choice.workbench import (
+    TIMING_CASES,
+    TIMING_SEED,
+    VERIFY_RANDOM,
+    VERIFY_SEED,
+    Workbench,
+)
+from ...errors import KernelError
+from ...evidence.timing.ratios import control_band
+from ...evidence.verification.errors import Array
+from ...evidence.verification.scene_cases import cases_for_scene
+from ...impacts.ball_ball.scene import find_scene
+from ...targets.host import Host
+from ...targets.target import Target, targets
+from ..findings import Findings, KernelFindings, KindFindings, sources_hash
+from .accuracy import accuracy_of, kinds_of
+from .modelled import modelled
+from .profile import profile
+from .progress import Schedule
+from .subjects import BASELINE, STEPS, Called, Subject
+from .times import GROWTH, Study, growth_of, time_all, time_calls, time_kinds
+
+SAMPLE_SECONDS = 1.5
+PROFILED_CASES = 512  # of the timed ones
+# Seconds that a kernel took on two cores of a Zen 4: to be built and verified, to be profiled, to
+# be replayed on a target. A schedule starts from them.
+_BUILT, _PROFILED, _REPLAYED = 6.0, 20.0, 4.0
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is measured where. `seconds` is for each of four timings."""
+
+    target: Target
+    host: Host
+    scene: str
+    model: str
+    seconds: float
+    command: str
+
+
+def run_experiments(
+    bench: Workbench, found: Sequence[Subject], called: Sequence[Called], order: Order
+) -> Findings:
+    """Build, verify, time and profile the subjects.
+
+    Raises KernelError where the baseline itself does not pass.
+    """
+    schedule = Schedule(_planned(found, called, order.seconds), bench.progress)
+    bench.progress = schedule
+    try:
+        return _measured(bench, found, called, order, schedule)
+    finally:
+        bench.progress = schedule.show
+
+
+def _planned(
+    found: Sequence[Subject], called: Sequence[Called], seconds: float
+) -> tuple[float, ...]:
+    """Seconds of each stage, in the order of `_measured`."""
+    featured = sum(subject.featured for subject in found)
+    return (
+        _BUILT * len(found),
+        seconds,
+        _PROFILED * featured,
+        seconds,
+        _REPLAYED * featured * len(targets()),
+        seconds + 2 * _BUILT * len(GROWTH),
+        seconds + _BUILT * len(called),
+    )
+
+
+def _measured(
+    bench: Workbench,
+    found: Sequence[Subject],
+    called: Sequence[Called],
+    order: Order,
+    schedule: Schedule,
+) -> Findings:
+    scene, target, seconds = order.scene, order.target, order.seconds
+    schedule.next()
+    studies, expected = _verified(bench, found, order)
+    made = bench.tool.make_cases(TIMING_SEED, TIMING_CASES).rows
+    timing = cases_for_scene(find_scene(scene), made, order.model)
+    schedule.next()
+    run = time_all(bench, studies, timing, scene, seconds)
+    schedule.next()
+    featured = [s for s in studies if s.subject.featured and not s.candidate.rejected]
+    for index, study in enumerate(featured):
+        bench.progress("errors, counts, sections and misses", index, len(featured))
+        _look_into(bench, study, expected, order.host, timing[:PROFILED_CASES])
+    schedule.next()
+    kinds = time_kinds(bench, featured, expected, seconds)
+    schedule.next()
+    for index, study in enumerate(featured):
+        bench.progress("llvm-mca on every target", index, len(featured))
+        study.modelled = modelled(bench, study.subject.variant, order.host, timing)
+    schedule.next()
+    growth = growth_of(bench, studies, target, timing, expected, seconds)
+    schedule.next()
+    calls = time_calls(bench, called, target, expected, seconds)
+    return Findings(
+        made_at=datetime.now(UTC).isoformat(timespec="seconds"),
+        sources=sources_hash(),
+        command=order.command,
+        cpu=order.host.cpu,
+        target=target.name,
+        scene=scene,
+        model=order.model,
+        compilers={code: c.version for code, c in bench.compilers.items()},
+        flags={s.subject.role: " ".join(s.candidate.flags) for s in studies},
+        seeds={"verification": VERIFY_SEED, "timing": TIMING_SEED},
+        tsc_ghz=run.tsc_ghz,
+        control=control_band(run),
+        rounds=run.rounds,
+        timing_cases=TIMING_CASES,
+        verified_cases=len(expected.cases),
+        kernels=tuple(
+            _findings(study, _kinds(study, expected, kinds), run.tsc_ghz) for study in studies
+        ),
+        growth=tuple(growth),
+        calls=tuple(calls),
+    )
+
+
+def _look_into(
+    bench: Workbench, study: Study, expected: Expected, host: Host, timed: Array
+) -> None:
+    """A kernel's errors, and what the tools of profiling find of it."""
+    if study.candidate.library is not None:
+        study.accuracy = accuracy_of(bench.tool, study.candidate.library.path, expected)
+        study.profile = profile(bench, study.candidate, host, expected.cases, timed, SAMPLE_SECONDS)
+
+
+def _verified(
+    bench: Workbench, found: Sequence[Subject], order: Order
+) -> tuple[list[Study], Expected]:
+    candidates = bench.prepare([s.variant for s in found], order.target)
+    bench.compile(candidates)
+    expected = bench.expected(order.scene, order.model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
+    bench.verify(candidates, expected)
+    studies = [Study(s, c) for s, c in zip(found, candidates, strict=True)]
+    if not studies or studies[0].subject.role != BASELINE or studies[0].candidate.rejected:
+        reason = studies[0].candidate.rejected if studies else "no subject"
+        raise KernelError(f"{BASELINE}: {reason}")
+    return studies, expected
+
+
+def _findings(study: Study, kinds: dict[str, KindFindings], tsc_ghz: float) -> KernelFindings:
+    candidate, found, accuracy = study.candidate, study.profile, study.accuracy
+    missing = dict(found.missing) if found else {}
+    if candidate.rejected:
+        missing["kernel"] = candidate.rejected
+    stepper = study.subject.variant.stepper
+    seed_ns = study.timed.seed_ns if study.timed else None
+    return KernelFindings(
+        role=study.subject.role,
+        name=candidate.name,
+        steps=stepper.steps,
+        budget=stepper.budget,
+        timed=study.timed,
+        seed_cycles=None if seed_ns is None else seed_ns * tsc_ghz,
+        verified_error=candidate.verdict.max_rel_error if candidate.verdict else None,
+        error=accuracy.largest if accuracy else None,
+        outputs=accuracy.outputs if accuracy else {},
+        worst=accuracy.worst if accuracy else None,
+        kinds=kinds,
+        counts=found.counts if found else None,
+        sections=found.sections if found else None,
+        misses=found.misses if found else (),
+        modelled=study.modelled,
+        missing=missing,
+    )
+
+
+def _kinds(
+    study: Study, expected: Expected, times: dict[str, dict[str, float]]
+) -> dict[str, KindFindings]:
+    if study.accuracy is None or study.profile is None or not study.profile.each:
+        return {}
+    each = np.array(study.profile.each, dtype=float)
+    return {
+        kind: KindFindings(
+            cases=len(rows),
+            error=float(study.accuracy.by_case[rows].max()),
+            ns=times.get(kind, {}).get(study.candidate.name),
+            evaluations=float(each[rows].mean()),
+        )
+        for kind, rows in kinds_of(expected.labels).items()
+    }

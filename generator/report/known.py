@@ -1,0 +1,104 @@
+"""What a report is made from: a sweep's store, what was measured beyond it, records of CPUs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from ..evidence.records.evidence import Timings
+from ..sweep.record import Final, Run, Trial
+from ..sweep.store import read_only
+from .contests import Contest, contests_of
+from .findings import Findings, KernelFindings
+
+NOT_MEASURED = "not measured yet: ./gen report --measure"
+NO_SWEEP = "no sweep is stored for it: ./gen sweep"
+
+
+@dataclass(frozen=True)
+class Stored:
+    """What a store holds of one target, scene and model; `finals` by contest, the newest."""
+
+    runs: tuple[Run, ...] = ()
+    trials: tuple[Trial, ...] = ()
+    finals: dict[str, Final] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Known:
+    """All that the sections draw from."""
+
+    target: str
+    scene: str
+    model: str
+    cpu: str  # that was measured on, else this one
+    stored: Stored = field(default_factory=Stored)
+    findings: Findings | None = None
+    timings: Timings = field(default_factory=Timings)
+    commands: tuple[str, ...] = ()
+    made_at: str = ""
+
+    @property
+    def kernels(self) -> tuple[KernelFindings, ...]:
+        return self.findings.kernels if self.findings else ()
+
+    @property
+    def compilers(self) -> dict[str, str]:
+        """Versions by axis code, of what was measured or of the last sweep."""
+        runs = self.stored.runs
+        return dict(
+            self.findings.compilers if self.findings else runs[-1].compilers if runs else {}
+        )
+
+    @cached_property
+    def untold(self) -> dict[str, str]:
+        """What a tool could not do, once for all kernels that it failed for the same reason."""
+        roles: dict[tuple[str, str], list[str]] = {}
+        for kernel in self.kernels:
+            for what, reason in kernel.missing.items():
+                roles.setdefault((what, reason), []).append(kernel.role)
+        everyone = sum(bool(kernel.kinds) for kernel in self.kernels)
+        return {
+            f"{what} of {'all kernels' if len(own) == everyone else '; '.join(own)}": reason
+            for (what, reason), own in roles.items()
+        }
+
+    @cached_property
+    def contests(self) -> list[Contest]:
+        return contests_of(self.stored.trials, self.stored.finals)
+
+    def unmeasured(self, section: str) -> dict[str, str]:
+        """Why a section has nothing to show that only measuring gives."""
+        return {} if self.findings else {section: NOT_MEASURED}
+
+    def unswept(self, section: str) -> dict[str, str]:
+        """Why a section has nothing to show that only a sweep gives."""
+        if not self.stored.trials:
+            return {section: NO_SWEEP}
+        return {} if self.contests else {section: "no variant of the stored sweep was timed"}
+
+
+def last_finals(finals: Iterable[Final], target: str, scene: str, model: str) -> dict[str, Final]:
+    """The newest final of each contest of a target, scene and model; re-timings do not choose."""
+    prefix = f"{target}/{scene}/{model}/"
+    return {
+        final.contest: final
+        for final in finals
+        if final.contest.startswith(prefix) and final.purpose == "choice"
+    }
+
+
+def read_stored(place: Path, target: str, scene: str, model: str) -> Stored:
+    """What a store holds of a target, scene and model. InputError where it is no store."""
+    asked = (target, scene, model)
+    with read_only(place) as records:
+        trials = tuple(
+            t
+            for t in records.trials()
+            if (t.subject.target, t.subject.scene, t.subject.model) == asked
+        )
+        used = {t.run for t in trials}
+        runs = tuple(r for r in records.runs() if r.id in used)
+        return Stored(runs, trials, last_finals(records.finals(), *asked))
