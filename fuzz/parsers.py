@@ -13,8 +13,8 @@ from pathlib import Path
 import atheris
 
 with atheris.instrument_imports(include=["generator", "tomllib", "csv"]):
+    from generator.api.case_files import read_cases
     from generator.choice.selection import FILE, read_selection
-    from generator.cli.case_table import read_case_table
     from generator.errors import InputError
     from generator.impacts.ball_ball.scene import parse_scene
     from generator.registry.names import name_of, variant_of
@@ -38,7 +38,7 @@ def targets(data: bytes) -> None:
 def cases(data: bytes) -> None:
     path = SCRATCH / "cases.csv"
     path.write_bytes(data)
-    table = read_case_table(path)
+    table = read_cases(path)
     assert table.rows.shape == (len(table.ids), 24)
 
 

@@ -1,66 +1,67 @@
-"""gen bench: time and check the emitted kernels on this machine, as JSON."""
+"""gen bench: time and check the emitted kernels on this machine."""
 
 from __future__ import annotations
 
 import json
-import platform
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from ..errors import InputError
+from .. import api
+from ..files import is_stdout, require_place, write_file
+from . import options
+from .show import session, show, three_digits
+
+if TYPE_CHECKING:
+    from ..api.bench_rows import BenchRow
 
 
 @click.command()
-@click.option("--target", default="native", show_default=True)
-@click.option("--scene", default="any", show_default=True)
+@options.TARGET
+@options.SCENE
 @click.option("--model", help="only this contact model; default: all that were generated")
-@click.option("--json", "json_path", required=True, type=click.Path(path_type=Path))
-@click.option("--seconds", default=20.0, show_default=True, help="time for timing, each model")
-def bench(target: str, scene: str, model: str | None, json_path: Path, seconds: float) -> int:
-    """Verify and time the kernels of generated/<target>/<scene>/ and paper-initial."""
-    from ..choice.lookup import require_runs
-    from ..choice.selection import read_selection
-    from ..files import is_stdout, require_place, write_file
-    from ..impacts.ball_ball.models import find_model
-    from ..impacts.ball_ball.scene import find_scene
-    from .bench_rows import bench_rows
-    from .session import ROOT, resolve_target, workbench
+@click.option("--json", "json_path", type=options.PLACE, help="write all figures to a file")
+@options.seconds(20.0, "each model")
+def bench(
+    target: str, scene: str, model: str | None, json_path: Path | None, seconds: float
+) -> int:
+    """Verify and time the kernels that were generated and paper-initial."""
+    if json_path is not None:
+        require_place(json_path)
+    with session() as told:
+        found = api.bench(target, scene, model, seconds, told)
+    apart = json_path is not None and is_stdout(json_path)
+    if json_path is not None:
+        write_file(json_path, json.dumps(found.document(), indent=2) + "\n")
+    for fixed, against in ((True, "the same scheme"), (False, "the exact solution")):
+        rows = [r for r in found.rows if not r.rejected and (r.steps is not None) is fixed]
+        title = f"{'fixed steps' if fixed else 'exact kernels'}: largest error against {against}"
+        if rows:
+            show({f"{title}, over |v1 - v2|": [_row(row) for row in rows]}, False, apart)
+    for row in found.failed:
+        click.echo(f"FAILED {row.candidate.name}: {row.rejected}", err=apart)
+    for row in found.rows:
+        if row.threads:
+            click.echo(f"{row.candidate.name}: {_threads(row.threads)}", err=apart)
+    written = f"; written: {json_path}" if json_path is not None else ""
+    click.echo(f"{len(found.rows)} kernels, {len(found.failed)} failed{written}", err=apart)
+    return 1 if found.failed else 0
 
-    find_scene(scene)
-    if model is not None:
-        find_model(model)
-    resolved, host = resolve_target(target)
-    require_runs(host, resolved)
-    folder = ROOT / "generated" / target / scene
-    selection = read_selection(folder)
-    if selection is None:
-        raise InputError(
-            f"{folder}: nothing generated; run ./gen --target {target} --scene {scene}"
-        )
-    entries = [e for e in selection.kernels if model in (None, e.model)]
-    if not entries:
-        raise InputError(f"{folder}: no kernel for --model {model}; run ./gen with that --model")
-    require_place(json_path)
-    with workbench() as tools:
-        rows = bench_rows(tools, resolved, scene, entries, seconds)
-        document = {
-            "schema": 1,
-            "host": {
-                "cpu": host.cpu,
-                "target": host.target.name,
-                "system": platform.system(),
-                "machine": platform.machine(),
-                "compilers": {c.code: c.version for c in tools.compilers.values()},
-            },
-            "kernels": [row.document() for row in rows],
-        }
-    write_file(json_path, json.dumps(document, indent=2) + "\n")
-    apart = is_stdout(json_path)
-    for row in rows:
-        click.echo(row.line(), err=apart)
-        if line := row.threads_line():
-            click.echo(line, err=apart)
-    failed = [row for row in rows if row.rejected]
-    click.echo(f"{len(rows)} kernels, {len(failed)} failed; written: {json_path}", err=apart)
-    return 1 if failed else 0
+
+def _row(row: BenchRow) -> dict[str, object]:
+    timing, verdict = row.candidate.timing, row.candidate.verdict
+    low, high = timing.ratio_ci if timing else (0.0, 0.0)
+    return {
+        "ns": f"{timing.ns:.1f}" if timing else None,
+        "of paper-initial": three_digits(timing.ratio) if timing else None,
+        "95 %": f"{three_digits(low)}-{three_digits(high)}" if timing else None,
+        "error": f"{verdict.max_rel_error:.1e}" if verdict else None,
+        "of loops' bound": f"{row.of_bound:.2f}" if row.of_bound else None,
+        "kernel": row.candidate.name,
+    }
+
+
+def _threads(threads: dict[int, float]) -> str:
+    shown = (f"{n}: {ns:.1f} ns ({threads[1] / ns:.2f})" for n, ns in threads.items())
+    return f"threads (times as fast as one) {', '.join(shown)}"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
+from ..api.challenging import Challenged
 from ..evidence.challenge.kept import CSV_HEADER, csv_row, hexfloats
-from ..evidence.challenge.search import Finding, Result, Subject
+from ..evidence.challenge.search import Finding
 
 _WORDS = {
     "error": "off by {:.3g} of the budget",
@@ -19,10 +20,12 @@ _WORDS = {
 }
 
 
-def lines(name: str, subject: Subject, seed: int, found: Sequence[Result]) -> Iterator[str]:
+def lines(searched: Challenged) -> Iterator[str]:
     """A table of the hunts, what is over or apart, and the worst case to the last bit."""
+    subject, found = searched.subject, searched.results
     within, errors = subject.within, found[0]
-    yield f"{name}{' (batches)' * subject.batch}: envelope {within.extent}, seed {seed}"
+    head = f"{searched.kernel}{' (batches)' * subject.batch}"
+    yield f"{head}: envelope {within.extent}, seed {searched.seed}"
     ranges = (("u_b", within.u_b), ("u_s", within.u_s), ("e_b", within.e_b))
     yield "ranges: " + ", ".join(f"{key} {low:g} to {high:g}" for key, (low, high) in ranges)
     evaluations, seconds = sum(r.evaluations for r in found), sum(r.seconds for r in found)
@@ -45,11 +48,12 @@ def _words(finding: Finding) -> str:
     return f"{_WORDS[finding.kind].format(finding.over)} ({where}{moved})"
 
 
-def brief_line(name: str, subject: Subject, found: Sequence[Result]) -> str:
+def brief_line(searched: Challenged) -> str:
     """A row of a table: model, budget, calls or batches, evaluations, the worst of each hunt."""
+    subject, found = searched.subject, searched.results
     errors = found[0]
     apart = f"{len(errors.apart)} apart" if errors.apart else ""
     hunts = " ".join(f"{r.hunt} {r.worst.over:.3g}{'' if r.held else '!'}" for r in found)
     by = "batch" if subject.batch else "call"
     head = f"{subject.within.model:13}{subject.budget:<7.0e}{by:6}"
-    return f"{head}{sum(r.evaluations for r in found):9}  {hunts} {apart}  {name}"
+    return f"{head}{sum(r.evaluations for r in found):9}  {hunts} {apart}  {searched.kernel}"

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import click
 
+from .. import api
 from ..impacts.ball_ball.models import DEFAULT_MODEL
 
 
@@ -13,6 +16,22 @@ from ..impacts.ball_ball.models import DEFAULT_MODEL
 @click.option("--model", default=DEFAULT_MODEL, show_default=True, help="for a preset")
 def explain(kernel: str, target: str, model: str) -> None:
     """Explain a kernel, by its name, its file or a preset (see list variants)."""
-    from .explanation import print_explanation
+    found = api.explain(kernel, target, model)
+    click.echo(f"{found.kernel}\n\nSymbols:")
+    _columns(found.legend, 2)
+    click.echo("\nOptions:")
+    _columns(found.options, 2)
+    click.echo("\nDerivation:")
+    for chapter in found.derivation:
+        click.echo(f"  {chapter.title}:")
+        for symbol, form in chapter.formulas:
+            click.echo(f"    {symbol} = {form}")
+    click.echo(f"\nOperations of one step{'' if found.exact else ' (one iteration of the loop)'}:")
+    click.echo(f"  {found.counts}; {found.flops} flops, an FMA being two")
 
-    print_explanation(kernel, target, model)
+
+def _columns(rows: Sequence[tuple[str, ...]], indent: int) -> None:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        click.echo(" " * indent + "  ".join(cells).rstrip())

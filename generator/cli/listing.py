@@ -2,31 +2,69 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
+from .. import api
 from ..errors import InputError
+from . import options
+from .show import rows_of, session, show, three_digits
+
+if TYPE_CHECKING:
+    from ..report.figures.scene_costs import SceneCost
+
+_TITLES = {
+    "axes": "option axes (the first choice is the default)",
+    "lanes": "lanes of a vector, by the numbers in them",
+    "rules": "combinations that are refused",
+    "presets": "presets",
+}
 
 
 @click.command("list")
 @click.argument("what", type=click.Choice(["targets", "scenes", "variants", "models"]))
+@options.JSON
 @click.option("--cost", is_flag=True, help="of scenes: operations and times, measured here")
-@click.option("--target", default="native", show_default=True, help="CPU that --cost is for")
-@click.option(
-    "--seconds",
-    default=3.0,
-    show_default=True,
-    type=click.FloatRange(0.1, 600),
-    help="time for timing each scene with --cost",
-)
-def list_rows(what: str, cost: bool, target: str, seconds: float) -> None:
+@options.TARGET
+@options.seconds(3.0, "each scene with --cost")
+def list_rows(what: str, as_json: bool, cost: bool, target: str, seconds: float) -> None:
     """List what there is to choose from."""
     if cost:
-        from .scene_table import show_scene_costs
-
         if what != "scenes":
             raise InputError(f"--cost: {what} have none; expected list scenes --cost")
-        show_scene_costs(target, seconds)
-        return
-    from .tables import show_tables
+        _show_costs(target, seconds, as_json)
+    elif what == "variants":
+        found = api.variants()
+        tables = {key: rows_of(getattr(found, key)) for key in _TITLES}
+        show(tables if as_json else {_TITLES[key]: rows for key, rows in tables.items()}, as_json)
+    else:
+        rows = {"targets": api.targets, "scenes": api.scenes, "models": api.models}[what]()
+        show({what if what != "models" else "contact models": rows_of(rows)}, as_json)
 
-    show_tables(what)
+
+def _show_costs(target: str, seconds: float, as_json: bool) -> None:
+    with session() as told:
+        costs = api.scene_costs(target, seconds, told)
+    title = (
+        "each scene beside `any` for the same model and E, on the scene's cases; flops: counted "
+        "while cases run, an FMA being two; times: of this machine"
+    )
+    show({title: [_cost(cost) for cost in costs]}, as_json)
+
+
+def _cost(cost: SceneCost) -> dict[str, object]:
+    low, high = cost.ratio_ci
+    return {
+        "scene": cost.scene,
+        "E": cost.budget,
+        "flops a step": cost.step,
+        "flops a step, any": cost.step_any,
+        "flops a collision": round(cost.collision.flops_per_collision),
+        "flops a collision, any": round(cost.collision_any.flops_per_collision),
+        "flops ratio": three_digits(cost.flops_ratio),
+        "ns": round(cost.ns),
+        "ns, any": round(cost.ns_any),
+        "ns ratio": three_digits(cost.ratio),
+        "95 %": f"{three_digits(low)}-{three_digits(high)}",
+    }

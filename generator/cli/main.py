@@ -5,14 +5,25 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import suppress
-from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import click
 
 from .. import __version__
 from ..errors import InputError, KernelError
 from ..files import line_of
+from . import options
+from .bench import bench
+from .challenge import challenge
+from .collide import collide
+from .emit import emit
+from .explain import explain
+from .listing import list_rows
+from .plot import plot
+from .report import report
+from .results import results
+from .sweep import sweep, worker
+from .vendor import vendor
 
 _REINSTALL = "install carom anew (in a clone: remove .venv), on a disk that programs run from"
 
@@ -20,17 +31,16 @@ _REINSTALL = "install carom anew (in a clone: remove .venv), on a disk that prog
 class OneLineGroup(click.Group):
     """Errors are one line and an exit status: 2 for wrong usage or input, 1 for a failed kernel."""
 
-    def main(self, *args, **kwargs):  # type: ignore[no-untyped-def]
-        kwargs["standalone_mode"] = False
+    def main(self, *args: Any, **kwargs: Any) -> Any:
         try:
-            result = super().main(*args, **kwargs)
+            result = super().main(*args, **{**kwargs, "standalone_mode": False})
             sys.stdout.flush()
         except click.exceptions.Exit as stop:
             sys.exit(stop.exit_code)
         except click.Abort:
             sys.exit(130)
         except click.ClickException as error:
-            _end(error.format_message(), 2)
+            _end(error.format_message() + _there_is(error), 2)
         except InputError as error:
             _end(str(error), 2)
         except KernelError as error:
@@ -42,6 +52,22 @@ class OneLineGroup(click.Group):
         except KeyboardInterrupt:
             sys.exit(130)
         sys.exit(result if isinstance(result, int) else 0)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
+            there = ", ".join(self.list_commands(ctx))
+            raise click.UsageError(f"no command '{args[0]}'; there are {there}", ctx)
+        return super().resolve_command(ctx, args)
+
+
+def _there_is(error: click.ClickException) -> str:
+    """The options that a command has, where it was given another."""
+    if not isinstance(error, click.NoSuchOption) or error.ctx is None:
+        return ""
+    names = sorted(max(p.opts, key=len) for p in error.ctx.command.params if p.opts[0][0] == "-")
+    return f" {error.ctx.command_path} has {', '.join(names)}"
 
 
 def _end(message: str, status: int) -> None:
@@ -60,84 +86,44 @@ def _drop_what_cannot_be_written(stream: TextIO) -> None:
 
 
 @click.group(cls=OneLineGroup, invoke_without_command=True)
-@click.option("--target", help="CPU to generate for: native, zen3, ... (see list targets)")
-@click.option("--scene", default="any", show_default=True, help="what is known of a shot")
+@click.option("--target", help="CPU to generate for: native, zen3, ... (list targets)")
+@options.SCENE
 @click.option("--model", help="contact model, or all; default: the scene's")
-@click.option("--max-error", type=float, help="error budget, relative to the relative speed")
-@click.option("--out", type=click.Path(path_type=Path), help="folder instead of generated/")
-@click.option(
-    "--seconds",
-    default=30.0,
-    show_default=True,
-    type=click.FloatRange(0.1, 3600),
-    help="time for timing",
-)
+@click.option("--max-error", type=float, help="this error budget alone, and no fixed steps")
+@click.option("--out", type=options.PLACE, help="folder instead of generated/")
+@options.seconds(30.0, "each contest")
 @click.option("--fresh", is_flag=True, help="verify and time anew what an earlier run did")
+@click.option("--all", "everything", is_flag=True, help="print every candidate and every flip")
 @click.option("--check", is_flag=True, help="is generated/ what the sources give?")
 @click.option("--update", is_flag=True, help="make generated/ what the sources give")
 @click.version_option(__version__)
 @click.pass_context
 def gen(
-    context: click.Context,
-    target: str | None,
-    scene: str,
-    model: str | None,
-    max_error: float | None,
-    out: Path | None,
-    seconds: float,
-    fresh: bool,
-    check: bool,
-    update: bool,
+    context: click.Context, /, check: bool, update: bool, everything: bool, **asked: Any
 ) -> int | None:
-    """Generate, verify, time and choose kernels for a frictional ball-ball collision."""
+    """Generate, verify, time and choose collision kernels for a CPU."""
     if context.invoked_subcommand is not None:
         return None
     if check or update:
-        from .freshness import run_check, run_update
+        from .freshness import show_check, show_update
 
-        return run_check(out) if check else run_update(out)
-    if target is None:
-        raise click.UsageError("name a target, as ./gen --target native (or see ./gen --help)")
-    from .main_job import run_main_job
+        return show_check(asked["out"]) if check else show_update(asked["out"])
+    if asked["target"] is None:
+        if options.given(context):
+            raise click.UsageError("name a target, as ./gen --target native (or see ./gen --help)")
+        click.echo(context.get_help())
+        return 0
+    from .generate import show_generated
 
-    run_main_job(target, scene, model, out, seconds, fresh, max_error)
+    show_generated(everything, **asked)
     return None
 
 
-def _register() -> None:
-    from . import (
-        bench,
-        challenge,
-        cluster,
-        collide,
-        emit,
-        explain,
-        listing,
-        plot,
-        report,
-        results,
-        sweep,
-        vendor,
-    )
-
-    for command in (
-        bench.bench,
-        challenge.challenge,
-        collide.collide,
-        emit.emit,
-        explain.explain,
-        listing.list_rows,
-        plot.plot,
-        report.report,
-        results.results,
-        sweep.sweep,
-        vendor.vendor,
-        cluster.worker,
-    ):
-        gen.add_command(command)
-
-
-_register()
+for _command in (
+    *(bench, challenge, collide, emit, explain, list_rows, plot, report, results),
+    *(sweep, vendor, worker),
+):
+    gen.add_command(_command)
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from generator.cli.case_table import read_case_table
+from generator.api import read_cases
 from generator.errors import InputError, KernelError
 from generator.evidence.timing.bench_tool import build_bench_tool
 from generator.evidence.verification.reference import FOLDER
@@ -144,8 +144,8 @@ def test_a_bench_that_cannot_be_configured_names_its_log(tmp_path) -> None:
 def read(folder: Path, text: str | bytes) -> list[str]:
     path = folder / "cases.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    table = read_case_table(path)
-    want = read_case_table(FOLDER / "inputs.csv").rows[: len(table.ids)]
+    table = read_cases(path)
+    want = read_cases(FOLDER / "inputs.csv").rows[: len(table.ids)]
     assert (table.rows == want).all()
     return list(table.ids)
 

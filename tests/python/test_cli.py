@@ -17,13 +17,12 @@ from click.testing import CliRunner, Result
 from hosts import skip_unless_runs
 from kernels import ROOT, bench_tool, variant
 
-import generator.cli.session as session
+import generator.api.session as session
+from generator.api import read_cases
 from generator.choice.candidates import baseline, fixed_step_candidates
 from generator.choice.folder import file_of, write_folder
 from generator.choice.selection import Selected, Selection
-from generator.cli.case_table import read_case_table
 from generator.cli.main import gen
-from generator.cli.main_table import preset_of
 from generator.errors import InputError
 from generator.evidence.verification.errors import OUTCOME_COLUMNS, STICKS
 from generator.evidence.verification.euler import euler_verdict
@@ -33,7 +32,7 @@ from generator.evidence.verification.verdict import Verdict
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.registry.lane_numbers import widths_for
 from generator.registry.names import name_of, variant_of
-from generator.registry.presets import find_preset
+from generator.registry.presets import find_preset, preset_of
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Variant
 from generator.targets.target import find_target, load_rows, targets
@@ -45,8 +44,9 @@ FIXED_STEP = "zen3.any.pooltool.euler.n1000.x1." + ".".join(
 INPUTS = FOLDER / "inputs.csv"
 
 
-def call(*arguments: object) -> Result:
-    return CliRunner().invoke(gen, [str(a) for a in arguments])
+def call(*arguments: object, root: Path | None = None) -> Result:
+    where = None if root is None else session.Session(root=root)
+    return CliRunner().invoke(gen, [str(a) for a in arguments], obj=where)
 
 
 def refused(result: Result, *parts: str) -> None:
@@ -164,7 +164,7 @@ def test_collide_batch_goes_in_lanes_and_gives_what_single_calls_give(
         assert told["batch"].stepper.steps == GOALS[goal][1]
     assert np.array_equal(got["single"][:, 12], got["batch"][:, 12])
     assert got["batch"][2, 12] == 2 and np.isnan(got["batch"][2]).any()
-    verdict = verdict_of_batch(goal, read_case_table(cases).rows, got["batch"])
+    verdict = verdict_of_batch(goal, read_cases(cases).rows, got["batch"])
     print(f"{target}, {goal}, x{told['batch'].width}: {verdict.reason}")
     assert verdict.passed, verdict.reason
 
@@ -179,7 +179,7 @@ def verdict_of_batch(goal: str, rows: np.ndarray, got: np.ndarray) -> Verdict:
     return euler_verdict(rows, got, euler, exact, steps, 0.02)
 
 
-def test_collide_batch_takes_the_stored_choice(tmp_path, monkeypatch, lines) -> None:
+def test_collide_batch_takes_the_stored_choice(tmp_path, lines) -> None:
     """And the fastest, where several widths were chosen."""
     skip_unless_runs("x86-64-v3")
     single = find_preset("reduced-ahead").options
@@ -189,11 +189,9 @@ def test_collide_batch_takes_the_stored_choice(tmp_path, monkeypatch, lines) -> 
     folder = tmp_path / "generated" / "x86-64-v3" / "any"
     selection = Selection(target="x86-64-v3", resolved="x86-64-v3", scene="any", kernels=entries)
     write_folder(folder, selection)
-    monkeypatch.setattr(session, "ROOT", tmp_path)
     options = ("--model", "pooltool", "--steps", 1000, "--target", "x86-64-v3", "--batch")
-    result = call(
-        "collide", "--cases", written(tmp_path, lines), "--out", tmp_path / "out.csv", *options
-    )
+    places = ("--cases", written(tmp_path, lines), "--out", tmp_path / "out.csv")
+    result = call("collide", *places, *options, root=tmp_path)
     assert result.exit_code == 0, result.stderr
     assert f"by {name_of(x4)}; written" in result.stdout
 
@@ -315,14 +313,15 @@ def test_help_and_lists_load_no_library_that_is_slow_to_load() -> None:
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        ((), ("--target native",)),
+        (("--fresh",), ("--target native",)),
         (("--target", "zen9"), ("zen9", "zen3")),
         (("--target", "zen3", "--scene", "moon"), ("moon", "any", "pool")),
         (("--target", "zen3", "--model", "none"), ("none", "bottom_slip")),
         (("--target", "zen3", "--seconds", "0"), ("--seconds",)),
         (("--target", "zen3", "--out", "/etc/passwd"), ("/etc/passwd", "cannot be written")),
-        (("--frobnicate",), ("--frobnicate",)),
-        (("frobnicate",), ("frobnicate",)),
+        (("--frobnicate",), ("--frobnicate", "gen has --all, --check", "--update")),
+        (("collide", "--frobnicate"), ("gen collide has --batch", "--target")),
+        (("frobnicate",), ("no command 'frobnicate'; there are bench, challenge", "worker")),
         (("list", "moons"), ("moons", "targets")),
         (("explain", "paper-worst"), ("paper-worst", "paper-best")),
         (("explain", "zen3.any.pooltool"), ("no kernel name",)),
@@ -375,8 +374,21 @@ def test_emit_refuses_in_one_line(arguments, parts) -> None:
 
 @pytest.mark.parametrize("what", ["targets", "scenes", "variants", "models"])
 def test_list(what) -> None:
+    """In a pipe a row is a line of plain text, nothing cut; --json holds the same rows."""
     result = call("list", what)
     assert result.exit_code == 0 and len(result.stdout.splitlines()) > 3
+    assert "\x1b" not in result.stdout and "\u2026" not in result.stdout
+    found = json.loads(call("list", what, "--json").stdout)
+    rows = [row for table in found.values() for row in table] if what == "variants" else found
+    lines = [line.split() for line in result.stdout.splitlines()]
+    for row in rows:
+        words = [word for value in row.values() if isinstance(value, str) for word in value.split()]
+        assert any(set(words) <= set(line) for line in lines), row
+
+
+def test_gen_alone_prints_the_help() -> None:
+    result = call()
+    assert result.exit_code == 0 and result.stdout == call("--help").stdout
 
 
 def test_bench_json_is_as_documented(tmp_path) -> None:

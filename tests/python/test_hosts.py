@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner, Result
 from hosts import believe, names
 
+from generator.api.session import resolve_target
 from generator.choice.lookup import require_runs
 from generator.cli.main import gen
-from generator.cli.session import resolve_target
 from generator.errors import KernelError
 from generator.targets.host import read_host
 from generator.targets.target import find_target, targets

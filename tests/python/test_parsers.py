@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from kernels import ROOT
 
-from generator.cli.case_table import read_case_table
+from generator.api import read_cases
 from generator.errors import InputError
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.registry.names import name_of, variant_of
@@ -68,7 +68,7 @@ def test_cases(tmp_path: Path, data: bytes) -> None:
     path = tmp_path / "cases.csv"
     path.write_bytes(data)
     try:
-        table = read_case_table(path)
+        table = read_cases(path)
     except InputError as error:
         one_line(error)
     else:
@@ -91,6 +91,6 @@ def test_a_quoted_field_of_several_lines_is_shown_on_one(tmp_path: Path) -> None
     path = tmp_path / "cases.csv"
     path.write_text(f'{header}\n{row.split(",")[0]},kind,"0.0\n3,{"9" * 400}"\n', encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        read_case_table(path)
+        read_cases(path)
     one_line(caught.value)
     assert len(str(caught.value)) < 200

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import pytest
 from click.testing import CliRunner
 
+from generator.api import Session
 from generator.choice.candidates import batch_candidates, exact_candidates, fixed_step_candidates
 from generator.choice.choose import choose_by_model, choose_by_records, selected
 from generator.choice.folder import write_folder
@@ -229,7 +230,7 @@ def test_a_batch_kernel_of_another_width_takes_the_place_of_the_one_before() -> 
 
 
 def test_the_banner_says_what_a_choice_rests_on_and_emit_gives_the_same_bytes(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
 ) -> None:
     made = candidate("inv", 0.34, changed="kernel text")
     entry = selected(choose_by_records([made], ZEN3), made)
@@ -238,8 +239,8 @@ def test_the_banner_says_what_a_choice_rests_on_and_emit_gives_the_same_bytes(
     text = (folder / entry.file).read_text("utf-8")
     print(next(line for line in text.splitlines() if "chosen:" in line))
     assert f"// chosen:   {entry.evidence}\n" in text
-    monkeypatch.setattr("generator.cli.session.ROOT", tmp_path)
-    assert CliRunner().invoke(gen, ["emit", entry.file]).stdout == text
+    here = Session(root=tmp_path)
+    assert CliRunner().invoke(gen, ["emit", entry.file], obj=here).stdout == text
 
 
 def test_a_page_says_what_the_kernel_chosen_for_one_cpu_costs_on_another() -> None:

@@ -17,9 +17,9 @@ from click.testing import CliRunner, Result
 from hosts import believe
 from stored_report import EFFECTS, MadeStore, make_findings, make_store
 
-import generator.cli.session as session
+import generator.api.session as session
 import generator.places as places
-from generator.cli.case_table import read_case_table
+from generator.api import read_cases
 from generator.cli.main import gen
 from generator.evidence.verification.reference import CASE_NAMES, load_reference
 from generator.registry.names import variant_of
@@ -396,7 +396,7 @@ def test_hexadecimal_floats_of_the_page_are_read_back_to_the_bit(made: Made) -> 
     row = ",".join(("worst", *(float(x).hex() for x in numbers)))
     path.write_text(f"{header}\n{row}\n", encoding="utf-8")
     assert header == ",".join(("id", *CASE_NAMES))
-    assert (read_case_table(path).rows[0] == numbers).all()
+    assert (read_cases(path).rows[0] == numbers).all()
     assert "./gen collide --cases worst.csv" in worst["commands"][1]
 
 

@@ -12,6 +12,7 @@ from click.testing import CliRunner, Result
 from sweep_lab import BATCH, EXACT, FIXED, FakeLab, plan, swept
 from test_sweep_kills import HERE, run_and_kill
 
+from generator.api import Session
 from generator.cli.main import gen
 from generator.evidence.records.files import read_records, timings_path
 from generator.sweep.exporting import exported
@@ -22,8 +23,8 @@ ROOT = Path(__file__).parents[2]
 ZEN3 = timings_path(ROOT, "zen3")
 
 
-def call(*arguments: object) -> Result:
-    return CliRunner().invoke(gen, ["results", *map(str, arguments)])
+def call(*arguments: object, session: Session | None = None) -> Result:
+    return CliRunner().invoke(gen, ["results", *map(str, arguments)], obj=session)
 
 
 def part(path: Path, start: int, stop: int) -> Path:
@@ -87,18 +88,16 @@ def test_an_export_holds_one_record_of_each_kernel_that_was_timed(
     assert call("export", "--cpu", "zen4", "--store", store, "--out", tmp_path / "n").exit_code == 0
 
 
-def test_an_import_adds_each_record_to_the_file_of_its_cpu(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("generator.cli.session.ROOT", tmp_path)
+def test_an_import_adds_each_record_to_the_file_of_its_cpu(tmp_path: Path) -> None:
+    here = Session(root=tmp_path)
     a = part(tmp_path / "a.jsonl", 0, 10)
     mixed = a.read_text("utf-8").replace("zen3", "zen4", 1).replace('"target":"zen3"', "X", 1)
     a.write_text(mixed.replace("X", '"target":"zen4"'), "utf-8")
-    done = call("import", a)
+    done = call("import", a, session=here)
     assert done.exit_code == 0, done.stderr
     sizes = [len(read_records(timings_path(tmp_path, cpu)).records) for cpu in ("zen3", "zen4")]
     assert sizes == [9, 1]
-    assert "0 of 9 records were new" in call("import", a).stdout
+    assert "0 of 9 records were new" in call("import", a, session=here).stdout
 
 
 def test_kill_9_during_a_refresh_loses_nothing_that_was_timed(tmp_path: Path) -> None:

@@ -16,13 +16,13 @@ from typing import Any
 
 import pytest
 from kernels import ROOT
-from rich.console import Console
 from sweep_lab import BATCH, EXACT, EXACT_BATCH, FIXED, ZEN3, FakeLab, landscape, plan, swept
 from sweep_records import trial as timed_trial
 
 import generator.registry.axes as axes_module
+from generator.api import Swept
 from generator.cli.interrupts import kept
-from generator.cli.sweep_display import say_outcomes
+from generator.cli.watch import say_outcomes
 from generator.errors import InputError, KernelCrash
 from generator.evidence.records.evidence import NEGLIGIBLE, read_timings
 from generator.registry.axes import Axis, Choice, axes_of
@@ -572,13 +572,15 @@ def test_however_few_the_minutes_each_contest_gets_its_first_candidates(tmp_path
     assert all(outcome.final is not None and not outcome.failed for outcome in outcomes)
 
 
-def test_a_contest_that_was_not_tried_has_not_failed(tmp_path: Path) -> None:
+def test_a_contest_that_was_not_tried_has_not_failed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     with opened(tmp_path / "s.sqlite") as store:
         outcomes, ledger = swept(store, FakeLab(), plan(EXACT, FIXED, trials=1))
     assert [outcome.failed for outcome in outcomes] == [False, False]
-    console = Console(record=True, width=200)
-    say_outcomes(console, outcomes, ledger)
-    assert "nothing was tried" in console.export_text()
+    place, unused = tmp_path / "s.sqlite", dict(ledger.unused)
+    say_outcomes(Swept(tuple(outcomes), place, None, ledger.made, ledger.reused, unused))
+    assert "nothing was tried" in capsys.readouterr().out
 
 
 def test_what_was_fastest_on_the_cpu_before_is_tried_first(tmp_path: Path) -> None:

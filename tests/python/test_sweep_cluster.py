@@ -246,7 +246,7 @@ def test_a_timing_runs_alone_on_its_worker_while_builds_run_side_by_side(pool: P
 
 
 def test_a_scheduler_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("generator.cli.cluster._CONNECT", 0.5)
+    monkeypatch.setattr("generator.api.cluster._CONNECT", 0.5)
     result = CliRunner().invoke(
         gen, ["sweep", "--target", "zen3", "--scheduler", "tcp://127.0.0.1:9"]
     )

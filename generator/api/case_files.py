@@ -70,7 +70,7 @@ def _require_columns(header: list[str], path: Path) -> None:
         raise InputError(f"{path}: row 1: column {twice[0]} twice; expected it once")
 
 
-def read_case_table(path: Path) -> CaseTable:
+def read_cases(path: Path) -> CaseTable:
     """Cases by header name, extra columns ignored. InputError names file, row and column."""
     try:
         text = path.read_text("utf-8-sig")

@@ -1,16 +1,15 @@
-"""gen worker, and the way to a Dask scheduler. Dask is an extra: nothing else needs it."""
+"""The way to a Dask scheduler, and a worker's life. Dask is an extra: nothing else needs it."""
 
 from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-import click
-
 from ..errors import InputError
+from ..targets.host import read_host
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -37,13 +36,15 @@ def connected(address: str) -> Iterator[Client]:
         yield client
 
 
-@click.command()
-@click.argument("address")
-@click.option("--threads", type=click.IntRange(1, 64), help="builds at once; default: all CPUs")
-def worker(address: str, threads: int | None) -> None:
-    """Do the jobs of sweeps that go to the scheduler at ADDRESS; announces this machine's CPU."""
-    from ..targets.host import read_host
+def work(
+    address: str, threads: int | None = None, ready: Callable[[str, int], None] | None = None
+) -> None:
+    """Do the jobs of sweeps that go to the scheduler at an address, until it ends.
 
+    `threads`: builds at once; None: all CPUs. `ready` is told the target and the threads when the
+    worker has announced itself. Raises InputError where this CPU is no target, where no scheduler
+    answers, and where there is no Dask.
+    """
     host = read_host()
     if not host.exact:
         raise InputError(f"worker: {host.cpu} is none of the targets; see ./gen list targets")
@@ -53,15 +54,16 @@ def worker(address: str, threads: int | None) -> None:
         from ..sweep.worker import resource_of
     except ModuleNotFoundError:
         raise InputError(f"worker: {_MISSING}") from None
+    count = threads or os.cpu_count() or 1
 
-    async def work() -> None:
-        count = threads or os.cpu_count() or 1
+    async def live() -> None:
         resources = {resource_of(host.target.name): 1.0}
         async with Nanny(address, nthreads=count, resources=resources) as nanny:
-            click.echo(f"carom: worker for {host.target.name}, {count} threads; Ctrl-C ends it")
+            if ready is not None:
+                ready(host.target.name, count)
             await nanny.finished()
 
     try:
-        asyncio.run(work())
+        asyncio.run(live())
     except (OSError, TimeoutError) as error:
         raise InputError(f"worker {address}: no Dask scheduler answers there: {error}") from None

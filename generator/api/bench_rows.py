@@ -1,4 +1,4 @@
-"""The rows of gen bench."""
+"""A kernel verified and timed, as a row of figures."""
 
 from __future__ import annotations
 
@@ -33,7 +33,13 @@ class BenchRow:
 
     @property
     def rejected(self) -> str:
+        """Why the kernel failed; empty where it did not."""
         return self.candidate.rejected
+
+    @property
+    def steps(self) -> int | None:
+        """Fixed steps; None: an exact kernel."""
+        return self.candidate.variant.stepper.steps
 
     def document(self) -> dict[str, Any]:
         """The row as `gen bench --json` writes it."""
@@ -65,32 +71,13 @@ class BenchRow:
             "rejected": c.rejected or None,
         }
 
-    def line(self) -> str:
-        c = self.candidate
-        if c.rejected or c.timing is None:
-            return f"FAILED {c.name}: {c.rejected or 'not timed'}"
-        error = "-" if c.verdict is None else f"{c.verdict.max_rel_error:.1e}"
-        low, high = c.timing.ratio_ci
-        return (
-            f"{c.timing.ns:10.1f} ns  {c.timing.ratio:.4f} ({low:.4f}-{high:.4f}) of paper-initial"
-            f"  error {error}{self._bound()}  {c.name}"
-        )
-
-    def threads_line(self) -> str:
-        """How a batch scales that is shared over threads; empty where it is none."""
-        if not self.threads:
-            return ""
-        alone = self.threads[1]
-        shown = (f"{n}: {ns:.1f} ns ({alone / ns:.2f})" for n, ns in self.threads.items())
-        return f"  threads (times as fast as one) {', '.join(shown)}"
-
-    def _bound(self) -> str:
-        """How near a batch kernel is to what its loops' instructions allow."""
+    @property
+    def of_bound(self) -> float | None:
+        """How many times what its loops' instructions allow a batch kernel takes, if known."""
         timing = self.candidate.timing
         if self.bound_cycles is None or not self.core_ghz or timing is None:
-            return ""
-        bound = self.bound_cycles / self.core_ghz
-        return f"  {timing.ns / bound:.2f} of the loops' bound ({bound:.1f} ns)"
+            return None
+        return timing.ns * self.core_ghz / self.bound_cycles
 
 
 def bench_rows(

@@ -6,16 +6,22 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.live import Live
-from rich.table import Table
+import click
 
-from ..sweep.explore import Observer, Progress
-from ..sweep.finals import beaten_by, row_of
-from ..sweep.ledger import Ledger
-from ..sweep.record import Final, Finalist
-from ..sweep.sweep import Outcome
+from .interrupts import kept
+from .show import show
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..api.session import Session
+    from ..api.sweeping import Swept
+    from ..sweep.explore import Observer, Progress
+    from ..sweep.record import Final, Finalist
+    from ..sweep.sweep import Outcome
 
 _QUIET_SECONDS = 30.0  # between two lines where nobody watches
 
@@ -65,11 +71,24 @@ class SweepDisplay:
 
 
 @contextmanager
-def displayed(display: SweepDisplay, console: Console) -> Iterator[Observer]:
-    """Rows that are drawn anew on a terminal; elsewhere a line now and then."""
+def watched(
+    session: Session, minutes: float | None, trials: int | None = None
+) -> Iterator[Observer]:
+    """An observer that shows rows on a terminal, elsewhere a line now and then; Ctrl-C is kept."""
+    from rich.console import Console
+    from rich.live import Live
+
+    started = time.monotonic()
+    end = None if minutes is None else started + 60 * minutes
+    display, console = SweepDisplay(started, end, trials), Console(stderr=True)
     if console.is_terminal:
         with Live(console=console, refresh_per_second=4, transient=True) as live:
-            yield lambda progress: live.update(_table(display.rows(progress)))
+
+            def draw(progress: Progress) -> None:
+                live.update(_table(display.rows(progress)))
+
+            with kept(draw) as shown:
+                yield shown
         return
     last_time, last_contest = float("-inf"), ""
 
@@ -81,13 +100,15 @@ def displayed(display: SweepDisplay, console: Console) -> Iterator[Observer]:
         if new or now - last_time >= _QUIET_SECONDS:
             last_time, last_contest = now, rows["contest"]
             said = [rows[key] for key in ("time", "contest", "doing", "done", "best so far")]
-            text = "carom: " + "; ".join(said)
-            console.print(text, highlight=False, markup=False, soft_wrap=True)
+            session.listener.note("; ".join(said))
 
-    yield line
+    with kept(line) as observe:
+        yield observe
 
 
 def _table(rows: Sequence[tuple[str, str]]) -> Table:
+    from rich.table import Table
+
     table = Table(show_header=False, show_edge=False, box=None)
     table.add_column(style="bold", no_wrap=True)
     table.add_column(overflow="fold")
@@ -96,78 +117,83 @@ def _table(rows: Sequence[tuple[str, str]]) -> Table:
     return table
 
 
-def say_outcomes(console: Console, outcomes: Sequence[Outcome], ledger: Ledger) -> None:
+def say_outcomes(swept: Swept) -> None:
     """What was chosen in each contest, what ties with it, what was rejected, what was not used."""
-
-    def say(text: str) -> None:
-        console.print(text, highlight=False, markup=False, soft_wrap=True)
-
-    for outcome in outcomes:
+    for outcome in swept.outcomes:
         exploration, final = outcome.exploration, outcome.final
         counts = ", ".join(f"{n} {why}" for why, n in sorted(exploration.rejected.items()))
         end = "nothing near the best is left" if exploration.complete else "the budget was used up"
-        say(
+        click.echo(
             f"\n{exploration.contest.name}: {len(exploration.entries)} variants, "
             f"{exploration.tried} of them tried now; {end}; rejected: {counts or 'none'}"
         )
         if final is None:
-            say(f"nothing {'was tried' if exploration.untried else 'passed'}: no choice")
+            click.echo(f"nothing {'was tried' if exploration.untried else 'passed'}: no choice")
         else:
-            say_final(console, final)
-    for why, count in sorted(ledger.unused.items()):
-        say(f"stored, not used: {count} trials: {why}")
-    say(f"trials: {ledger.made} made, {ledger.reused} taken from the store")
+            say_final(final)
+    for why, count in swept.unused.items():
+        click.echo(f"stored, not used: {count} trials: {why}")
+    click.echo(f"trials: {swept.made} made, {swept.reused} taken from the store")
+    if swept.written is not None:
+        click.echo(f"written: {swept.written}")
+    click.echo(f"store: {swept.store}")
 
 
-def say_final(console: Console, final: Final) -> None:
+def say_best(outcomes: Sequence[Outcome]) -> None:
+    """A line for each contest."""
+    for outcome in outcomes:
+        final = outcome.final
+        best = f"{final.fastest} is the fastest" if final else "no kernel was timed to the end"
+        click.echo(f"{outcome.exploration.contest.name}: {best}")
+
+
+def say_stopped(store: Path) -> None:
+    """After Ctrl-C."""
+    click.echo(
+        f"carom: stopped; all that was measured is kept in {store}, and the same command goes on "
+        "from there",
+        err=True,
+    )
+
+
+def say_final(final: Final) -> None:
     """The finalists that tie with the fastest or lie near it, the choice marked."""
-    table = Table(show_edge=False, pad_edge=False, collapse_padding=True)
-    table.add_column("kernel", overflow="fold", ratio=1)
-    for title in ("ns", "of paper-\ninitial", "to fastest\n(95 %)", "error", ""):
-        table.add_column(title, justify="right", no_wrap=True)
+    from ..sweep.finals import row_of
+
     ties = final.ties
     shown = [r for i, r in enumerate(final.finalists) if i < 5 or r.subject.name in ties]
     chosen = row_of(final, final.chosen)
     if chosen not in shown:
         shown.append(chosen)
-    for row in shown:
-        table.add_row(_short(row.subject.name), *_figures(row), _mark(row, final))
-    console.print(table)
     low, high = final.control
-    console.print(
-        f"{len(final.finalists)} kernels, {final.rounds} rounds, A/A {low:.4f} to {high:.4f}; "
-        f"chosen: {final.chosen}; ties with the fastest: {len(ties)}",
-        highlight=False,
-        soft_wrap=True,
-    )
+    title = f"{len(final.finalists)} kernels, {final.rounds} rounds, A/A {low:.4f} to {high:.4f}"
+    show({title: [_row(row, final) for row in shown]}, False)
+    click.echo(f"chosen: {final.chosen}; ties with the fastest: {len(ties)}")
 
 
-def say_verified(console: Console, final: Final) -> bool:
+def say_verified(final: Final) -> bool:
     """The re-timing of a choice; is it still not clearly beaten?"""
-    say_final(console, final)
+    from ..sweep.finals import beaten_by
+
+    say_final(final)
     beaten = beaten_by(final)
     most = max((b.gain for b in beaten), default=1.0)
     clear = [b for b in beaten if b.clear]
     text = f"the choice holds: none is faster by more than {100 * (most - 1):.1f} %"
     if clear:
         text = f"the choice is beaten by {100 * (clear[0].gain - 1):.1f} %: {clear[0].name}"
-    console.print(f"{final.contest}: {text}", highlight=False, soft_wrap=True)
+    click.echo(f"{final.contest}: {text}")
     return not clear
 
 
-def _short(name: str) -> str:
-    """A kernel's name without what all of its contest share."""
-    return name.split(".", 3)[3]
-
-
-def _figures(row: Finalist) -> list[str]:
+def _row(row: Finalist, final: Final) -> dict[str, object]:
     low, high = row.to_fastest_ci
-    error = "-" if row.max_rel_error is None else f"{row.max_rel_error:.1e}"
-    ratio = f"{row.times.ratio:.4f}"
-    return [f"{row.times.ns:.0f}", ratio, f"{row.to_fastest:.4f} ({low:.4f}-{high:.4f})", error]
-
-
-def _mark(row: Finalist, final: Final) -> str:
-    if row.subject.name == final.chosen:
-        return "chosen"
-    return "tie" if row.tie else ""
+    chosen = row.subject.name == final.chosen
+    return {
+        "ns": round(row.times.ns),
+        "of paper-initial": f"{row.times.ratio:.4f}",
+        "to fastest (95 %)": f"{row.to_fastest:.4f} ({low:.4f}-{high:.4f})",
+        "error": None if row.max_rel_error is None else f"{row.max_rel_error:.1e}",
+        "": "chosen" if chosen else "tie" if row.tie else "",
+        "kernel": row.subject.name,
+    }

@@ -1,0 +1,72 @@
+"""The kernels of `generated/` verified and timed on this machine."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import dataclass
+from typing import Any
+
+from ..choice.lookup import require_runs
+from ..choice.selection import read_selection
+from ..errors import InputError
+from ..impacts.ball_ball.models import find_model
+from ..impacts.ball_ball.scene import find_scene
+from .bench_rows import BenchRow, bench_rows
+from .session import Session, resolve_target
+
+
+@dataclass(frozen=True)
+class Benched:
+    """The machine, and a row for each kernel, `paper-initial` among them."""
+
+    host: dict[str, Any]
+    rows: tuple[BenchRow, ...]
+
+    @property
+    def failed(self) -> tuple[BenchRow, ...]:
+        return tuple(row for row in self.rows if row.rejected)
+
+    def document(self) -> dict[str, Any]:
+        """What `gen bench --json` writes."""
+        kernels = [row.document() for row in self.rows]
+        return {"schema": 1, "host": self.host, "kernels": kernels}
+
+
+def bench(
+    target: str = "native",
+    scene: str = "any",
+    model: str | None = None,
+    seconds: float = 20.0,
+    session: Session | None = None,
+) -> Benched:
+    """Verify and time the kernels of generated/<target>/<scene>/ and `paper-initial`.
+
+    `model`: only this contact model; None: all that were generated. `seconds`: for timing each
+    model. Raises InputError where nothing was generated, KernelError where the target's code cannot
+    run here.
+    """
+    session = session or Session()
+    find_scene(scene)
+    if model is not None:
+        find_model(model)
+    resolved, host = resolve_target(target)
+    require_runs(host, resolved)
+    folder = session.generated / target / scene
+    selection = read_selection(folder)
+    if selection is None:
+        raise InputError(
+            f"{folder}: nothing generated; run ./gen --target {target} --scene {scene}"
+        )
+    entries = [e for e in selection.kernels if model in (None, e.model)]
+    if not entries:
+        raise InputError(f"{folder}: no kernel for --model {model}; run ./gen with that --model")
+    with session.workbench() as tools:
+        rows = bench_rows(tools, resolved, scene, entries, seconds)
+        machine = {
+            "cpu": host.cpu,
+            "target": host.target.name,
+            "system": platform.system(),
+            "machine": platform.machine(),
+            "compilers": {c.code: c.version for c in tools.compilers.values()},
+        }
+    return Benched(machine, tuple(rows))

@@ -1,0 +1,149 @@
+"""Searches for the input with the largest error of a kernel."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from ..choice.lookup import require_runs, with_compiler_found
+from ..choice.workbench import Workbench
+from ..errors import InputError, KernelError
+from ..evidence.challenge.document import document
+from ..evidence.challenge.envelope import envelope
+from ..evidence.challenge.kept import keep as keep_cases
+from ..evidence.challenge.search import Limits, Result, Subject, search_all
+from ..evidence.profiling.counting import count_operations
+from ..evidence.verification.errors import Array
+from ..impacts.ball_ball.models import MODELS
+from ..impacts.ball_ball.scene import find_scene
+from ..registry.names import name_of, variant_named
+from ..registry.variant import Variant
+from ..targets.target import find_target
+from .request import Request
+from .session import Session, resolve_target
+
+Extent = Literal["real", "scene"]
+MOST_EVALUATIONS = 2**62  # where the time alone ends a search
+_BUDGETS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-9)  # of `everything`
+
+
+@dataclass(frozen=True)
+class ChallengeRequest:
+    """What to search, and for how long.
+
+    `request`: whose chosen kernel; or `kernel`, by its name. `everything`: all models and budgets
+    that the request does not name, single calls and batches. `extent`: inputs that occur in play
+    ("real"), or all that the scene documents. A search of a kernel ends after `minutes`, or after
+    so many `evaluations`: the same `seed` then finds the same.
+    """
+
+    request: Request = field(default_factory=Request)
+    kernel: str | None = None
+    everything: bool = False
+    extent: Extent = "scene"
+    minutes: float | None = None
+    evaluations: int | None = None
+    seed: int = 1
+
+    def limits(self) -> Limits:
+        """When a search that begins now ends."""
+        if self.evaluations is not None:
+            return Limits(self.evaluations)
+        return Limits(MOST_EVALUATIONS, time.monotonic() + 60 * (self.minutes or 1.0))
+
+    def kernels(self, session: Session) -> list[tuple[Variant, bool]]:
+        """The kernels to search, and whether their batches are. Raises InputError."""
+        if self.everything and self.kernel:
+            raise InputError("--all and a KERNEL exclude each other: name one of them")
+        if self.minutes is not None and self.evaluations is not None:
+            raise InputError("--minutes and --evaluations exclude each other: name one of them")
+        if self.kernel is not None:
+            variant = _named(self.kernel)
+            return [(variant, self.request.batch or variant.width > 1)]
+        asked = self.request
+        models, budgets, calls = [asked.model], [asked.max_error], [asked.batch]
+        if self.everything:
+            calls = [False, True]
+            models = [asked.model] if asked.model else [m.name for m in MODELS]
+            budgets = [asked.max_error] if asked.max_error else [*_BUDGETS]
+        wanted = [
+            Request(asked.target, asked.scene, model, None, budget, batch).resolved()
+            for model in models
+            for budget in budgets
+            for batch in calls
+        ]
+        return [(each.kernel(session), each.request.batch) for each in wanted]
+
+
+@dataclass(frozen=True)
+class Challenged:
+    """What the hunts found of one kernel; the first hunt is that for errors."""
+
+    kernel: str
+    subject: Subject
+    seed: int
+    results: tuple[Result, ...]
+    document: dict[str, Any]
+
+    @property
+    def held(self) -> bool:
+        """Was nothing over?"""
+        return all(result.held for result in self.results)
+
+
+def challenge(
+    asked: ChallengeRequest | None = None, session: Session | None = None
+) -> Iterator[Challenged]:
+    """Search kernel after kernel for the largest error, jumps, lost symmetry, the slowest input.
+
+    Raises InputError where the request cannot be, KernelError where a kernel cannot run here.
+    """
+    session, asked = session or Session(), asked or ChallengeRequest()
+    wanted = asked.kernels(session)
+    resolved, host = resolve_target(wanted[0][0].target)
+    require_runs(host, resolved)
+    with session.workbench(target=resolved) as bench:
+        for variant, batch in wanted:
+            subject = _subject(bench, variant, batch, asked.extent)
+            found = search_all(subject, asked.limits(), asked.seed)
+            told = document(variant, subject, asked.seed, host.cpu, found)
+            yield Challenged(told["kernel"], subject, asked.seed, tuple(found), told)
+
+
+def keep(found: Sequence[Result]) -> tuple[int, int]:
+    """Add the worst case of each result that is over to the kept cases: new ones, of how many."""
+    over = [("found_by_search", result.over[0].case) for result in found if result.over]
+    return (keep_cases(over) if over else 0), len(over)
+
+
+def _named(kernel: str) -> Variant:
+    variant = variant_named(kernel)
+    if variant.stepper.budget is None:
+        raise InputError(f"{kernel}: has fixed steps and no error budget; name an exact kernel")
+    return variant
+
+
+def _subject(bench: Workbench, variant: Variant, batch: bool, extent: Extent) -> Subject:
+    budget = variant.stepper.budget
+    if budget is None:
+        raise InputError(f"{name_of(variant)}: has no error budget; name an exact kernel")
+    variant = with_compiler_found(variant, dict(bench.compilers))
+    candidate = bench.prepare([variant], find_target(variant.target))[0]
+    bench.compile([candidate])
+    if candidate.library is None:
+        raise KernelError(candidate.rejected)
+    cache = bench.cache / "kernels"
+
+    def count(cases: Array) -> Array:
+        counted = count_operations(
+            candidate.source, candidate.compiler, candidate.flags, cases, cache
+        )
+        return np.array(counted.each, dtype=np.float64)
+
+    within = envelope(find_scene(variant.scene), variant.model, extent)
+    library = candidate.library.path
+    return Subject(bench.tool, library, within, budget, batch, None if batch else count)

@@ -1,0 +1,73 @@
+"""What a caller asks for, by name, and what that stands for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..choice.lookup import Goal, batch_kernel_for, kernel_for
+from ..errors import InputError
+from ..impacts.ball_ball.models import find_model
+from ..impacts.ball_ball.scene import Scene, find_scene
+from ..registry.variant import Variant
+from ..steppers.exact.budgets import plan_for
+from ..targets.host import Host
+from ..targets.target import Target
+from .session import Session, resolve_target
+
+
+@dataclass(frozen=True)
+class Request:
+    """Which kernel a caller wants, by name.
+
+    `target`: a CPU of `targets()`, or `native`. `scene`, `model`: of `scenes()` and `models()`; no
+    model: the scene's. `steps` of the fixed-step scheme, or `max_error` against the exact solution
+    over the relative speed; neither: the scene's own largest error. `batch`: in lanes.
+    """
+
+    target: str = "native"
+    scene: str = "any"
+    model: str | None = None
+    steps: int | None = None
+    max_error: float | None = None
+    batch: bool = False
+
+    def goal(self) -> Goal:
+        """The steps or the budget. Raises InputError where both are named, or one cannot be."""
+        known = find_scene(self.scene)
+        if self.steps is not None and self.max_error is not None:
+            raise InputError("--steps and --max-error exclude each other: name one of them")
+        if self.steps is not None:
+            if not known.fixed_steps:
+                raise InputError(
+                    f"--steps: scene {self.scene} has no fixed-step scheme; use --max-error"
+                )
+            return Goal(self.steps, None)
+        budget = known.max_error if self.max_error is None else self.max_error
+        plan_for(budget)
+        known.require_budget(budget)
+        return Goal(None, budget)
+
+    def resolved(self) -> Resolved:
+        """What the names stand for. Raises InputError that names the one there is not."""
+        target, host = resolve_target(self.target)
+        scene = find_scene(self.scene)
+        model = find_model(self.model or scene.model).name
+        return Resolved(self, target, host, scene, model, self.goal())
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """A request whose names were all found. `host`: the machine that this runs on."""
+
+    request: Request
+    target: Target
+    host: Host
+    scene: Scene
+    model: str
+    goal: Goal
+
+    def kernel(self, session: Session) -> Variant:
+        """The chosen kernel, or what is used before anything was timed."""
+        find = batch_kernel_for if self.request.batch else kernel_for
+        head = session.generated, self.request.target, self.target
+        return find(*head, self.scene.name, self.model, self.goal)

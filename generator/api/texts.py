@@ -1,0 +1,95 @@
+"""The text of one kernel, and what it is made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..choice.selection import read_selection
+from ..emission.kernel_source import KernelSource, emit_header
+from ..emission.kernel_source import emit as emit_variant
+from ..errors import InputError
+from ..impacts.ball_ball.derivation import LEGEND, Chapter, derivation
+from ..impacts.ball_ball.models import DEFAULT_MODEL, find_model
+from ..impacts.ball_ball.scene import find_scene
+from ..registry.axes import axis
+from ..registry.names import name_of, source_name_of, variant_named
+from ..registry.presets import find_preset
+from ..registry.variant import Stepper, Variant, make_variant
+from ..targets.target import find_target
+from .session import Session
+
+
+def emit(kernel: str, session: Session | None = None) -> str:
+    """The text of a kernel, named in full, by its file or as `carom_kernel()` tells it.
+
+    Where it was chosen these are the bytes in `generated/`; nothing is compiled or timed. Raises
+    InputError where there is no such kernel.
+    """
+    place, variant = (session or Session()).generated, variant_named(kernel)
+    places = (place / target / variant.scene for target in (variant.target, "native"))
+    found = [s for folder in places if (s := read_selection(folder)) is not None]
+    file = f"{source_name_of(variant)}.cpp"
+    chosen = [entry for s in found for entry in s.kernels if entry.file == file]
+    return _source(variant, kernel, chosen[0].grounds if chosen else "").source
+
+
+def header(scene: str) -> str:
+    """The text of `carom.h` for a scene. Raises InputError where there is no such scene."""
+    return emit_header(find_scene(scene))
+
+
+def _source(variant: Variant, kernel: str, grounds: str = "") -> KernelSource:
+    try:
+        return emit_variant(variant, grounds=grounds)
+    except ValueError as error:
+        raise InputError(f"{kernel}: {error}") from None
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What a kernel is made of.
+
+    `exact`: is it an exact kernel, of fewer and longer steps? `legend`: symbols of the derivation
+    and their meanings. `options`: key, code and meaning of each. `counts`: the operations of one
+    step, in words; `flops`: their number, an FMA being two.
+    """
+
+    kernel: str
+    exact: bool
+    legend: tuple[tuple[str, str], ...]
+    options: tuple[tuple[str, str, str], ...]
+    derivation: tuple[Chapter, ...]
+    counts: str
+    flops: int
+
+
+def explain(kernel: str, target: str = "x86-64-v3", model: str = DEFAULT_MODEL) -> Explanation:
+    """Explain a kernel: its name, options, derivation and operation counts.
+
+    `kernel`: as for `emit`, or a preset, for a `target` and contact `model` then. Raises InputError
+    where there is no such kernel.
+    """
+    variant = _find(kernel, target, model)
+    source = _source(variant, kernel)
+    meanings = tuple(
+        (key, code, next(c.text for c in axis(key).choices if c.code == code))
+        for key, code in variant.options
+    )
+    return Explanation(
+        kernel=name_of(variant),
+        exact=variant.stepper.family == "exact",
+        legend=LEGEND,
+        options=meanings,
+        derivation=derivation(find_model(variant.model)),
+        counts=source.counts.describe(),
+        flops=source.counts.flops,
+    )
+
+
+def _find(kernel: str, target: str, model: str) -> Variant:
+    if "." in kernel:
+        return variant_named(kernel)
+    find_target(target)
+    find_model(model)
+    stepper = Stepper("euler", steps=1000)
+    return make_variant(target, "any", model, stepper, **find_preset(kernel).options)

@@ -1,0 +1,157 @@
+"""What the main job prints: the choices and the front on one screen, or every candidate."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .. import api
+from .show import session, show, three_digits
+
+if TYPE_CHECKING:
+    from ..api.generation import Contest, Generated, Row
+
+LINES, COLUMNS = 40, 80  # of the summary
+_ROWS = 12  # of the front
+_NAME = 48  # columns of what is chosen, before its figures
+_INDENT = " " * 4
+
+
+def show_generated(everything: bool, **asked: Any) -> None:
+    """Everything that `./gen --target T` does; `everything` prints every candidate and flip."""
+    request = api.GenerateRequest(**asked)
+    with session() as told:
+        made = api.generate(request, told)
+    click.echo("\n".join(summary(made)))
+    if everything:
+        for contest in made.contests:
+            _show_all(made, contest)
+
+
+def summary(made: Generated) -> list[str]:
+    """What was chosen in each contest, then the front of speed against error."""
+    lines = [*_head(made)]
+    for fixed in (True, False):
+        lines += _choices([c for c in made.contests if c.fixed is fixed], fixed)
+    lines += ["", "front of speed against error (--all prints every candidate and every flip):"]
+    fronts = [(c, row) for fixed in (False, True) for c, row in _front(made, fixed)]
+    shown = 0
+    before: tuple[str, bool] | None = None
+    for contest, row in fronts:
+        title = [] if before == (contest.title, contest.fixed) else [contest.title]
+        block = [*title, *_front_row(row)]
+        if shown == _ROWS or len(lines) + len(block) > LINES:
+            break
+        lines, shown, before = lines + block, shown + 1, (contest.title, contest.fixed)
+    return lines
+
+
+def _head(made: Generated) -> Iterator[str]:
+    yield from _wrapped(f"scene {made.scene}; {made.contests[0].choice.evidence}", "")
+    if made.emulator:
+        yield from _wrapped(
+            f"{made.target.name} is of another architecture: run under {made.emulator}, and no "
+            "time is known of it",
+            "",
+        )
+    yield from _wrapped(f"written: {made.folder}/selection.json, carom.h, and these kernels", "")
+
+
+def _choices(contests: Sequence[Contest], fixed: bool) -> Iterator[str]:
+    if not contests:
+        return
+    against = "the scheme" if fixed else "exact solution"
+    yield ""
+    yield f"{'':{_NAME}}{'times as fast':>15}{'error against':>17}"
+    head = f"{'fixed steps' if fixed else 'exact kernels'}: chosen; errors over |v1 - v2|"
+    yield f"{head:{_NAME}}{'as paper-initial':>16}{against:>16}"
+    for contest in contests:
+        entry = contest.entry
+        ratio = entry.ratio_to_baseline
+        times = "-" if not ratio else three_digits(1 / ratio)
+        error = "-" if entry.max_rel_error is None else f"{entry.max_rel_error:.2e}"
+        short = len(entry.file) < _NAME
+        name = entry.file if short else contest.title
+        yield f"{name:{_NAME}}{times:>15}{error:>17}"
+        yield from _wrapped(contest.recipe, _INDENT)
+        if not short:
+            yield from _wrapped(entry.file, _INDENT)
+        if entry.search.startswith("OVER"):
+            yield from _wrapped(f"search for errors: {entry.search.split('; case')[0]}", _INDENT)
+
+
+def _front(made: Generated, fixed: bool) -> Iterator[tuple[Contest, Row]]:
+    """The rows of each contest that no other beats in both, in turn until there are enough."""
+    contests = [c for c in made.contests if c.fixed is fixed]
+    share = max(1, _ROWS // max(1, len(made.contests)))
+    for contest in contests:
+        for row in contest.front()[:share]:
+            yield contest, row
+
+
+def _front_row(row: Row) -> list[str]:
+    times = "-" if row.ratio is None else three_digits(1 / row.ratio)
+    figures = f"{times:>9} times {row.error or 0.0:9.2e}  "
+    return _wrapped(row.label, " " * len(figures), figures)
+
+
+def _wrapped(text: str, indent: str, first: str | None = None) -> list[str]:
+    """A text in lines of at most 80 columns; what is longer than a line goes on in the next."""
+    head = indent if first is None else first
+    return textwrap.wrap(
+        text, COLUMNS, initial_indent=head, subsequent_indent=indent, break_on_hyphens=False
+    )
+
+
+def _show_all(made: Generated, contest: Contest) -> None:
+    against = "the same scheme" if contest.fixed else "the exact solution"
+    title = f"\n{contest.title}: errors against {against}, over |v1 - v2|"
+    show({title: [_row(row) for row in contest.rows()]}, False)
+    for c in contest.candidates:
+        if c.rejected:
+            click.echo(f"rejected {c.name}: {c.rejected}")
+    for line in _footnotes(made, contest):
+        click.echo(line)
+
+
+def _row(row: Row) -> dict[str, object]:
+    low, high = row.interval or (None, None)
+    return {
+        "ns": None if row.ns is None else round(row.ns),
+        "latency ns": None if row.latency is None else round(row.latency),
+        "cycles": None if row.cycles is None else round(row.cycles),
+        "of paper-initial": None if row.ratio is None else three_digits(row.ratio),
+        "95 %": None if not low or not high else f"{three_digits(low)}-{three_digits(high)}",
+        "error": None if row.error is None else f"{row.error:.1e}",
+        "": row.mark,
+        "kernel": row.label,
+    }
+
+
+def _footnotes(made: Generated, contest: Contest) -> Iterator[str]:
+    choice, chosen = contest.choice, contest.choice.chosen
+    for verdict, head in ((chosen.verdict, ""), (chosen.pooltool, "against pooltool's figures: ")):
+        if verdict is not None:
+            yield f"{head}verified on {verdict.cases} cases; the chosen kernel: {verdict.reason}"
+            yield from (f"  flip by a step: {contest.labels[flip]}" for flip in verdict.flips)
+    if contest.baseline.variant.scene != made.scene:
+        yield (
+            f"scene {made.scene} has no fixed-step kernels: paper-initial is that of scene "
+            f"{contest.baseline.variant.scene}"
+        )
+    if (model := chosen.modelled) is not None:
+        yield (
+            f"cycles: of {model.cases} cases' instructions, executed on {made.host.target.name} "
+            f"and replayed by llvm-mca for {model.cpu}: a model's figure, not a time"
+        )
+    yield f"grounds: {choice.evidence}"
+    if choice.sought is not None:
+        yield f"search for errors: {choice.sought} (gen challenge searches longer)"
+    notes = {f"{c.compiler.code}: {c.march_note}" for c in contest.candidates if c.march_note}
+    yield from sorted(notes)
+    if made.reused:
+        yield f"reused from earlier runs: {made.reused} (--fresh verifies and times anew)"
+    yield f"chosen: {chosen.name}; ties with it: {len(choice.ties) - 1}"
