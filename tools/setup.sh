@@ -4,23 +4,25 @@
 
 : "${root:?is set by gen and check}"
 
-# program or header | Debian package | needed ("hard") or only useful ("soft")
+# program or header | Debian package | needed ("hard") or only useful ("soft") | whom it is for:
+# "build" kernels and the bench, "measure" misses, make code for an architecture that is not this
+# machine's ("cross"), or run all tests ("check")
 carom_needs=(
-  "g++:g++:soft"
-  "clang++:clang:soft"
-  "clang++-19:clang-19:soft"
-  "llvm-mca-19:llvm-19:soft"
-  "valgrind:valgrind:soft"
-  "chromium-headless-shell:chromium-headless-shell:soft"
-  "wasm-ld-19:lld-19:soft"
-  "node:nodejs:soft"
-  "aarch64-linux-gnu-g++:g++-aarch64-linux-gnu:soft"
-  "qemu-aarch64:qemu-user:soft"
-  "cmake:cmake:hard"
-  "ninja:ninja-build:hard"
-  "include/gtest/gtest.h:libgtest-dev:soft"
-  "include/CLI/CLI.hpp:libcli11-dev:soft"
-  "include/nlohmann/json.hpp:nlohmann-json3-dev:soft"
+  "g++:g++:soft:build"
+  "clang++:clang:soft:build"
+  "clang++-19:clang-19:soft:build"
+  "llvm-mca-19:llvm-19:soft:build"
+  "cmake:cmake:hard:build"
+  "ninja:ninja-build:hard:build"
+  "include/CLI/CLI.hpp:libcli11-dev:soft:build"
+  "include/nlohmann/json.hpp:nlohmann-json3-dev:soft:build"
+  "valgrind:valgrind:soft:measure"
+  "aarch64-linux-gnu-g++:g++-aarch64-linux-gnu:soft:cross"
+  "qemu-aarch64:qemu-user:soft:cross"
+  "chromium-headless-shell:chromium-headless-shell:soft:check"
+  "wasm-ld-19:lld-19:soft:check"
+  "node:nodejs:soft:check"
+  "include/gtest/gtest.h:libgtest-dev:soft:check"
 )
 
 carom_say() { printf 'carom: %s\n' "$*" >&2; }
@@ -50,18 +52,66 @@ carom_find_python() {
   return 1
 }
 
+carom_is_in() { # WORD WORDS...
+  local word=$1 each
+  shift
+  for each in "$@"; do
+    if [[ $each == "$word" ]]; then return 0; fi
+  done
+  return 1
+}
+
+# Whom packages are looked for goes to $carom_groups: nobody where the command of gen, with all its
+# ARGS, builds no kernel.
+carom_choose() { # ARGS...
+  local word command="" before="" names="" arch measures=""
+  carom_groups=()
+  for word in "$@"; do
+    case $word in
+      --help | --version | --check | --update) return 0 ;;
+      --cost | --measure) measures=$word ;;
+      --target=* | --cpu=*) names+=",${word#*=}" ;;
+      -*) ;;
+      *)
+        if [[ $before == --target || $before == --cpu ]]; then
+          names+=",$word"
+        elif [[ -z $command && $before != --* ]]; then
+          command=$word
+        elif [[ $command == results && $before == results ]]; then
+          command="results $word"
+        fi
+        ;;
+    esac
+    before=$word
+  done
+  case $command in
+    emit | explain | results | results\ [!r]*) return 0 ;;
+    list) if [[ $measures != --cost ]]; then return 0; fi ;;
+    report) if [[ $measures != --measure ]]; then return 0; fi ;;
+    "") if (($# == 0)); then return 0; fi ;;
+  esac
+  carom_groups=(build)
+  if [[ $command == report ]]; then carom_groups+=(measure); fi
+  for word in ${names//,/ }; do
+    arch=$(sed -n "/^\\[${word//[^a-z0-9-]/}\\]/,/^arch/s/^arch = \"\\(.*\\)\"/\\1/p" \
+      "$root/generator/targets/targets.toml")
+    if [[ -n $arch && $arch != "$(uname -m)" ]]; then carom_groups+=(cross); fi
+  done
+}
+
 # Packages that are missing go to $carom_missing, those without which nothing works to $carom_hard.
 carom_look() {
-  local need name package kind
+  local need name package kind group
   carom_missing=() carom_hard=()
   for need in "${carom_needs[@]}"; do
-    IFS=: read -r name package kind <<<"$need"
-    if ! carom_has "$name"; then
+    IFS=: read -r name package kind group <<<"$need"
+    if carom_is_in "$group" "${carom_groups[@]}" && ! carom_has "$name"; then
       carom_missing+=("$package")
       if [[ $kind == hard ]]; then carom_hard+=("$package"); fi
     fi
   done
-  if ! carom_has g++ && ! carom_has clang++ && ! carom_has clang++-19; then
+  if carom_is_in build "${carom_groups[@]}" &&
+    ! carom_has g++ && ! carom_has clang++ && ! carom_has clang++-19; then
     carom_hard+=("g++")
   fi
   if [[ $1 == need-python ]] && ! carom_find_python; then
@@ -119,10 +169,12 @@ carom_apt() {
 
 # System packages. A set that could not be had is tried once, not in every run.
 carom_system() {
-  local python=$1 log
+  local python=$1 log why=""
   carom_look "$python"
   if ((${#carom_missing[@]} == 0)) || carom_known_missing; then return; fi
-  if [[ $EUID -eq 0 ]] && command -v apt-get >/dev/null; then
+  if carom_no_apt; then
+    why=" (CAROM_NO_APT is set, so that $0 installs no system packages)"
+  elif [[ $EUID -eq 0 ]] && command -v apt-get >/dev/null; then
     log=$(mktemp -t carom-apt.XXXXXX) || carom_fail "no temporary file can be made; set TMPDIR"
     carom_apt "$log" "${carom_missing[@]}"
     hash -r
@@ -134,8 +186,8 @@ carom_system() {
     fi
   fi
   if ((${#carom_hard[@]})); then
-    carom_fail "missing: ${carom_hard[*]}; as root: apt-get update && apt-get install ${carom_missing[*]}"
-  elif ((${#carom_missing[@]})); then
+    carom_fail "missing: ${carom_hard[*]}; as root: apt-get update && apt-get install ${carom_missing[*]}$why"
+  elif ((${#carom_missing[@]})) && [[ -z $why ]]; then
     carom_say "going on without some useful packages; as root: apt-get install ${carom_missing[*]}"
   fi
 }
@@ -207,10 +259,30 @@ carom_venv() {
   carom_want >"$venv/carom-stamp"
 }
 
-# Were just these packages missing, none of them needed, when they were last tried?
+# May apt-get be asked for nothing?
+carom_no_apt() { [[ -n ${CAROM_NO_APT-} && ${CAROM_NO_APT-} != 0 ]]; }
+
+# Is nothing missing that is needed, or that was not tried before and could not be had?
 carom_known_missing() {
-  ((${#carom_hard[@]} == 0)) && [[ -e $root/.venv/carom-missing ]] &&
-    [[ $(<"$root/.venv/carom-missing") == "${carom_missing[*]}" ]]
+  local package tried=()
+  if ((${#carom_hard[@]})); then return 1; fi
+  if carom_no_apt; then return 0; fi
+  if [[ -e $root/.venv/carom-missing ]]; then read -ra tried <"$root/.venv/carom-missing" || true; fi
+  for package in "${carom_missing[@]}"; do
+    carom_is_in "$package" "${tried[@]}" || return 1
+  done
+}
+
+# Keeps what was tried and could not be had, beside what other commands tried.
+carom_note_missing() {
+  local package tried=()
+  # Where .venv is another user's, packages are looked for each time.
+  if carom_no_apt || [[ ! -w $root/.venv ]]; then return 0; fi
+  if [[ -e $root/.venv/carom-missing ]]; then read -ra tried <"$root/.venv/carom-missing" || true; fi
+  for package in "${carom_missing[@]}"; do
+    carom_is_in "$package" "${tried[@]}" || tried+=("$package")
+  done
+  printf '%s\n' "${tried[*]}" >"$root/.venv/carom-missing"
 }
 
 # Ends where this place or the caller's variables would break what comes later.
@@ -226,6 +298,7 @@ carom_require_place() {
   fi
 }
 
+# What the groups in $carom_groups need, and .venv.
 carom_setup() {
   carom_environment
   carom_require_place
@@ -245,9 +318,7 @@ carom_setup() {
   if [[ $carom_state == unusable ]]; then carom_system need-python; else carom_system have-python; fi
   if [[ $carom_state != current ]]; then carom_venv; fi
   carom_look have-python
-  if [[ -w $root/.venv ]]; then # else it belongs to another user: packages are looked for each time
-    printf '%s\n' "${carom_missing[*]}" >"$root/.venv/carom-missing"
-  fi
+  carom_note_missing
   exec 9<&-
 }
 
