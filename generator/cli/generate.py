@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 LINES, COLUMNS = 40, 80  # of the summary
 _ROWS = 12  # of the front
+_LEAST = 8  # lines that the front has at least
 _NAME = 48  # columns of what is chosen, before its figures
 _INDENT = " " * 4
 
@@ -32,20 +33,31 @@ def show_generated(everything: bool, **asked: Any) -> None:
 
 
 def summary(made: Generated) -> list[str]:
-    """What was chosen in each contest, then the front of speed against error."""
-    lines = [*_head(made)]
-    for fixed in (True, False):
-        lines += _choices([c for c in made.contests if c.fixed is fixed], fixed)
-    lines += ["", "front of speed against error (--all prints every candidate and every flip):"]
+    """What was chosen in each contest, then the front of speed against error.
+
+    Many contests may leave no room for recipes: a line then says where these are.
+    """
+    choices = _chosen(made, recipes=True)
+    if len(choices) > LINES - _LEAST:
+        choices = [*_chosen(made, recipes=False), "recipes: by --all, and on top of each file"]
+    lines = [*choices, "", "front of speed against error (--all prints every candidate and flip):"]
     fronts = [(c, row) for fixed in (False, True) for c, row in _front(made, fixed)]
-    shown = 0
-    before: tuple[str, bool] | None = None
+    before, shown = "", 0
     for contest, row in fronts:
-        title = [] if before == (contest.title, contest.fixed) else [contest.title]
+        title = [] if before == contest.title else [contest.title]
         block = [*title, *_front_row(row)]
         if shown == _ROWS or len(lines) + len(block) > LINES:
             break
-        lines, shown, before = lines + block, shown + 1, (contest.title, contest.fixed)
+        lines, shown, before = lines + block, shown + 1, contest.title
+    return lines
+
+
+def _chosen(made: Generated, recipes: bool) -> list[str]:
+    lines = [*_head(made)]
+    for fixed in (True, False):
+        own = [c for c in made.contests if c.fixed is fixed]
+        own.sort(key=lambda c: c.entry.width > 1)  # models side by side, which often agree
+        lines += _choices(own, fixed, recipes)
     return lines
 
 
@@ -60,7 +72,8 @@ def _head(made: Generated) -> Iterator[str]:
     yield from _wrapped(f"written: {made.folder}/selection.json, carom.h, and these kernels", "")
 
 
-def _choices(contests: Sequence[Contest], fixed: bool) -> Iterator[str]:
+def _choices(contests: Sequence[Contest], fixed: bool, recipes: bool) -> Iterator[str]:
+    """A line of figures for each contest; kernels side by side that share a recipe name it once."""
     if not contests:
         return
     against = "the scheme" if fixed else "exact solution"
@@ -68,7 +81,8 @@ def _choices(contests: Sequence[Contest], fixed: bool) -> Iterator[str]:
     yield f"{'':{_NAME}}{'times as fast':>15}{'error against':>17}"
     head = f"{'fixed steps' if fixed else 'exact kernels'}: chosen; errors over |v1 - v2|"
     yield f"{head:{_NAME}}{'as paper-initial':>16}{against:>16}"
-    for contest in contests:
+    after = [contest.recipe for contest in contests[1:]]
+    for contest, following in zip(contests, [*after, ""], strict=True):
         entry = contest.entry
         ratio = entry.ratio_to_baseline
         times = "-" if not ratio else three_digits(1 / ratio)
@@ -76,8 +90,9 @@ def _choices(contests: Sequence[Contest], fixed: bool) -> Iterator[str]:
         short = len(entry.file) < _NAME
         name = entry.file if short else contest.title
         yield f"{name:{_NAME}}{times:>15}{error:>17}"
-        yield from _wrapped(contest.recipe, _INDENT)
-        if not short:
+        if recipes and contest.recipe != following:
+            yield from _wrapped(contest.recipe, _INDENT)
+        if recipes and not short:
             yield from _wrapped(entry.file, _INDENT)
         if entry.search.startswith("OVER"):
             yield from _wrapped(f"search for errors: {entry.search.split('; case')[0]}", _INDENT)
