@@ -50,9 +50,9 @@ seed() { # TARGET: what its corpus starts from
     scene) cp generator/impacts/ball_ball/scenes/*.toml "$corpus" ;;
     targets) cp generator/targets/targets.toml "$corpus" ;;
     cases) head -n 4 tests/data/reference/inputs.csv >"$corpus/reference" ;;
-    selection) cp generated/zen3/any/selection.json "$corpus" ;;
-    names) grep -oh '"kernel": "[^"]*"' generated/*/*/selection.json | head -n 8 |
-      while IFS='"' read -r _ _ _ name _; do printf '%s' "$name" >"$corpus/${name:0:60}"; done ;;
+    selection) cp generated/ball-ball/zen3/any/selection.json "$corpus" ;;
+    names) sed -n 's#^// question: *##p; s#^// recipe: *##p' generated/*/zen3/any/*.cpp | paste -d ' ' - - |
+      while read -r name; do printf '%s' "$name" >"$corpus/$(basename "${name%% *}")"; done ;;
   esac
 }
 

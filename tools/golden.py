@@ -23,15 +23,15 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from generator.choice.selection import read_selection  # noqa: E402
 from generator.emission.kernel_source import emit  # noqa: E402
 from generator.errors import InputError, KernelError  # noqa: E402
 from generator.impacts.ball_ball.scene import scenes  # noqa: E402
 from generator.registry.axes import axes_of  # noqa: E402
 from generator.registry.lane_numbers import widths_for  # noqa: E402
-from generator.registry.names import variant_named  # noqa: E402
 from generator.registry.presets import PRESETS  # noqa: E402
 from generator.registry.rules import broken_rule  # noqa: E402
-from generator.registry.variant import Stepper, Variant, make_variant  # noqa: E402
+from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant  # noqa: E402
 from generator.tableaus.tableaus import TABLEAUS  # noqa: E402
 from generator.targets.target import target_or_port  # noqa: E402
 
@@ -48,7 +48,7 @@ def wanted(variant: Variant) -> dict[str, object]:
         "target": variant.target,
         "scene": variant.scene,
         "model": variant.model,
-        "stepper": stepper.name,
+        "stepper": "euler" if stepper.steps else stepper.name,
         "steps": stepper.steps,
         "budget": stepper.budget,
         "width": variant.width,
@@ -57,7 +57,8 @@ def wanted(variant: Variant) -> dict[str, object]:
 
 
 def variant_of(want: dict) -> Variant:
-    stepper = Stepper(want["stepper"], want["steps"], want["budget"])
+    steps = want["steps"]
+    stepper = fixed_steps(steps) if steps else Stepper(want["stepper"], budget=want["budget"])
     head = (want["target"], want["scene"], want["model"], stepper, want["width"])
     return make_variant(*head, **want["options"])
 
@@ -88,7 +89,7 @@ def _draw(chance: random.Random) -> dict[str, object] | None:
     if exact:
         stepper = Stepper(chance.choice(sorted(TABLEAUS)), budget=chance.choice(BUDGETS))
     else:
-        stepper = Stepper("euler", steps=1000)
+        stepper = fixed_steps(1000)
     width = chance.choice(widths_for(target, scene, stepper.family))
     axes = axes_of(stepper.family, width)
     if not exact:  # of all options at once next to none would be legal
@@ -123,7 +124,9 @@ def _draws(seed: int, count: int) -> list[dict[str, object]]:
 
 
 def _write() -> None:
-    named = [variant_named(str(p)) for p in sorted((ROOT / "generated").rglob("*.cpp"))]
+    folders = sorted((ROOT / "generated").glob("*/*/*"))
+    selections = [read_selection(folder) for folder in folders]
+    named = [entry.variant for s in selections if s is not None for entry in s.kernels]
     with ProcessPoolExecutor(2) as pool:
         drawn = [row for rows in pool.map(_draws, range(20), [DRAWN // 20] * 20) for row in rows]
         committed = [wanted(v) for v in named]

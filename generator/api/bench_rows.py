@@ -14,7 +14,6 @@ from ..choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
 from ..evidence.profiling.passes import steps_a_collision
 from ..evidence.verification.errors import Array
 from ..impacts.ball_ball.scene import find_scene
-from ..registry.names import variant_of
 from ..targets.target import Target
 from ..toolchain.mca import find_mca
 
@@ -50,7 +49,10 @@ class BenchRow:
             "target": v.target,
             "scene": v.scene,
             "model": v.model,
-            "stepper": v.stepper.name,
+            "impact": v.question.impact,
+            "question": str(v.question),
+            "recipe": str(v.recipe),
+            "stepper": "euler" if v.stepper.steps else v.stepper.name,
             "steps": v.stepper.steps,
             "budget": v.stepper.budget,
             "width": v.width,
@@ -90,7 +92,7 @@ def bench_rows(
         first = baseline(target, scene, model, 1000, list(tools.compilers))
         variants = [first]
         for entry in own:
-            found = with_compiler_found(variant_of(entry.kernel), tools.compilers)  # type: ignore[arg-type]
+            found = with_compiler_found(entry.variant, tools.compilers)  # type: ignore[arg-type]
             variants.append(found)
         candidates = tools.prepare(variants, target)
         tools.compile(candidates)

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..choice.lookup import require_runs
-from ..choice.selection import read_selection
+from ..choice.selection import place_of, read_selection
 from ..errors import InputError
 from ..impacts.ball_ball.models import find_model
 from ..impacts.ball_ball.scene import find_scene
+from ..registry.question import DEFAULT_IMPACT, find_impact
 from .bench_rows import BenchRow, bench_rows
 from .session import Session, resolve_target
 
@@ -38,8 +39,9 @@ def bench(
     model: str | None = None,
     seconds: float = 20.0,
     session: Session | None = None,
+    impact: str = DEFAULT_IMPACT,
 ) -> Benched:
-    """Verify and time the kernels of generated/<target>/<scene>/ and `paper-initial`.
+    """Verify and time the kernels of a folder of generated/ and `paper-initial`.
 
     `model`: only this contact model; None: all that were generated. `seconds`: for timing each
     model. Raises InputError where nothing was generated, KernelError where the target's code cannot
@@ -51,7 +53,7 @@ def bench(
         find_model(model)
     resolved, host = resolve_target(target)
     require_runs(host, resolved)
-    folder = session.generated / target / scene
+    folder = place_of(session.generated, target, scene, find_impact(impact))
     selection = read_selection(folder)
     if selection is None:
         raise InputError(

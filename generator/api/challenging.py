@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -20,10 +20,10 @@ from ..evidence.profiling.counting import count_operations
 from ..evidence.verification.errors import Array
 from ..impacts.ball_ball.models import MODELS
 from ..impacts.ball_ball.scene import find_scene
-from ..registry.names import name_of, variant_named
+from ..registry.names import name_of
 from ..registry.variant import Variant
 from ..targets.target import find_target
-from .request import Request
+from .request import Request, kernel_named
 from .session import Session, resolve_target
 
 Extent = Literal["real", "scene"]
@@ -58,11 +58,11 @@ class ChallengeRequest:
     def kernels(self, session: Session) -> list[tuple[Variant, bool]]:
         """The kernels to search, and whether their batches are. Raises InputError."""
         if self.everything and self.kernel:
-            raise InputError("--all and a KERNEL exclude each other: name one of them")
+            raise InputError("--all and a kernel exclude each other: name one of them")
         if self.minutes is not None and self.evaluations is not None:
             raise InputError("--minutes and --evaluations exclude each other: name one of them")
         if self.kernel is not None:
-            variant = _named(self.kernel)
+            variant = _named(self.kernel, session)
             return [(variant, self.request.batch or variant.width > 1)]
         asked = self.request
         models, budgets, calls = [asked.model], [asked.max_error], [asked.batch]
@@ -71,7 +71,7 @@ class ChallengeRequest:
             models = [asked.model] if asked.model else [m.name for m in MODELS]
             budgets = [asked.max_error] if asked.max_error else [*_BUDGETS]
         wanted = [
-            Request(asked.target, asked.scene, model, None, budget, batch).resolved()
+            replace(asked, model=model, max_error=budget, batch=batch).resolved()
             for model in models
             for budget in budgets
             for batch in calls
@@ -120,8 +120,8 @@ def keep(found: Sequence[Result]) -> tuple[int, int]:
     return (keep_cases(over) if over else 0), len(over)
 
 
-def _named(kernel: str) -> Variant:
-    variant = variant_named(kernel)
+def _named(kernel: str, session: Session) -> Variant:
+    variant = kernel_named(kernel, session)
     if variant.stepper.budget is None:
         raise InputError(f"{kernel}: has fixed steps and no error budget; name an exact kernel")
     return variant

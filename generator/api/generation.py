@@ -10,12 +10,12 @@ from ..choice.batches import batch_job
 from ..choice.choose import Choice, selected
 from ..choice.folder import checked_selection, require_writable, write_folder
 from ..choice.job import Job, exact_job, fixed_step_job
-from ..choice.selection import Selected, Selection
+from ..choice.selection import Selected, Selection, place_of
 from ..choice.workbench import Candidate, Workbench
-from ..evidence.records.recipe import recipe_of
 from ..impacts.ball_ball.models import MODELS, find_model
 from ..impacts.ball_ball.scene import find_scene
 from ..registry.presets import preset_of
+from ..registry.question import DEFAULT_IMPACT, find_impact
 from ..steppers.exact.budgets import plan_for
 from ..targets.host import Host
 from ..targets.target import Target
@@ -29,7 +29,7 @@ class GenerateRequest:
     `target`: a CPU, or `native`. `scene`: what is known of a shot. `model`: a contact model, or
     `all`; None: the scene's. `max_error`: this error budget alone; None: fixed steps and the
     scene's budget. `seconds`: of timing for each contest. `fresh`: verify and time anew what an
-    earlier run did. `out`: a folder instead of `generated/`.
+    earlier run did. `out`: a folder instead of `generated/`. `impact`: what collides.
     """
 
     target: str = "native"
@@ -39,6 +39,7 @@ class GenerateRequest:
     seconds: float = 30.0
     fresh: bool = False
     out: Path | None = None
+    impact: str = DEFAULT_IMPACT
 
     def models(self) -> list[str]:
         """The names of the models. Raises InputError where there is none such."""
@@ -83,19 +84,20 @@ class Contest:
     @property
     def fixed(self) -> bool:
         """Fixed steps, with errors against the same scheme; else against the exact solution."""
-        return self.entry.steps is not None
+        return self.entry.goal.steps is not None
 
     @property
     def title(self) -> str:
         """The question in words."""
-        goal = f"N = {self.entry.steps}" if self.fixed else f"within {self.entry.budget:g}"
+        goal = self.entry.goal
+        words = f"N = {goal.steps}" if self.fixed else f"within {goal.budget:g}"
         calls = "batches" if self.choice.chosen.is_batch else "single calls"
-        return f"{self.model}, {goal}, {calls}"
+        return f"{self.model}, {words}, {calls}"
 
     @property
     def recipe(self) -> str:
         """The recipe of the choice."""
-        return recipe_of(self.choice.chosen.variant)
+        return str(self.choice.chosen.variant.recipe)
 
     def rows(self) -> list[Row]:
         """Every candidate whose error is against the contest's reference, the fastest first."""
@@ -123,7 +125,7 @@ class Contest:
             ratio = c.modelled.cycles / first.cycles if c.modelled and first else None
             interval = None
         return Row(
-            label=preset_of(c.variant) or recipe_of(c.variant),
+            label=preset_of(c.variant) or f"{c.variant.question.width} {c.variant.recipe}",
             ns=timed.ns if timed else None,
             latency=c.timing.latency_ns if c.timing else None,
             cycles=c.modelled.cycles if c.modelled else None,
@@ -159,17 +161,18 @@ class Generated:
 
 
 def generate(request: GenerateRequest | None = None, session: Session | None = None) -> Generated:
-    """Choose the kernels for a CPU and write `generated/<target>/<scene>/`, contest after contest.
+    """Choose the kernels for a CPU and write its folder of `generated/`, contest after contest.
 
     Raises InputError where the request cannot be or the folder cannot be written, KernelError where
     no candidate passed; what was chosen before is then written.
     """
     session, asked = session or Session(), request or GenerateRequest()
+    find_impact(asked.impact)
     target, host = resolve_target(asked.target)
     known, models = find_scene(asked.scene), asked.models()
     budget = asked.max_error or known.max_error
     plan_for(budget)
-    folder = (asked.out or session.generated) / asked.target / asked.scene
+    folder = place_of(asked.out or session.generated, asked.target, asked.scene, asked.impact)
     checked_selection(folder)  # what is wrong with it shall be said before the work, not after
     require_writable(folder)
     fixed = [fixed_step_job] if asked.max_error is None and known.fixed_steps else []
@@ -199,7 +202,11 @@ def _held(
 
 def _write(folder: Path, asked: GenerateRequest, target: Target, contests: list[Contest]) -> None:
     selection = checked_selection(folder) or Selection(
-        target=asked.target, resolved=target.name, scene=asked.scene, kernels=[]
+        impact=asked.impact,
+        target=asked.target,
+        resolved=target.name,
+        scene=asked.scene,
+        kernels=[],
     )
     selection = selection.model_copy(update={"resolved": target.name})
     write_folder(folder, selection.with_entries([contest.entry for contest in contests]))

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..choice.lookup import Goal, batch_kernel_for, kernel_for
+from ..choice.lookup import batch_kernel_for, entries_for, kernel_for
 from ..errors import InputError
 from ..impacts.ball_ball.models import find_model
 from ..impacts.ball_ball.scene import Scene, find_scene
+from ..registry.names import question_named, variant_named
+from ..registry.question import DEFAULT_IMPACT, Goal, find_impact
 from ..registry.variant import Variant
 from ..steppers.exact.budgets import plan_for
-from ..targets.host import Host
+from ..targets.host import Host, read_host
 from ..targets.target import Target
 from .session import Session, resolve_target
 
@@ -21,7 +23,8 @@ class Request:
 
     `target`: a CPU of `targets()`, or `native`. `scene`, `model`: of `scenes()` and `models()`; no
     model: the scene's. `steps` of the fixed-step scheme, or `max_error` against the exact solution
-    over the relative speed; neither: the scene's own largest error. `batch`: in lanes.
+    over the relative speed; neither: the scene's own largest error. `batch`: in lanes. `impact`:
+    what collides.
     """
 
     target: str = "native"
@@ -30,6 +33,7 @@ class Request:
     steps: int | None = None
     max_error: float | None = None
     batch: bool = False
+    impact: str = DEFAULT_IMPACT
 
     def goal(self) -> Goal:
         """The steps or the budget. Raises InputError where both are named, or one cannot be."""
@@ -49,6 +53,7 @@ class Request:
 
     def resolved(self) -> Resolved:
         """What the names stand for. Raises InputError that names the one there is not."""
+        find_impact(self.impact)
         target, host = resolve_target(self.target)
         scene = find_scene(self.scene)
         model = find_model(self.model or scene.model).name
@@ -71,3 +76,21 @@ class Resolved:
         find = batch_kernel_for if self.request.batch else kernel_for
         head = session.generated, self.request.target, self.target
         return find(*head, self.scene.name, self.model, self.goal)
+
+
+def kernel_named(text: str, session: Session) -> Variant:
+    """The kernel that a user names: a question or its file, and a recipe; else the chosen one.
+
+    As a target `native` is this host's CPU. InputError says what is wrong with it.
+    """
+    first, *recipe = text.split() or [""]
+    question = question_named(first, read_host().target.name)
+    if recipe:
+        return variant_named(f"{question} {' '.join(recipe)}")
+    chosen = entries_for(session.generated, question)
+    if not chosen:
+        raise InputError(
+            f"{question}: none was chosen; name a recipe after it, as dp54 root=est1, or run "
+            f"./gen --target {question.target} --scene {question.scene}"
+        )
+    return chosen[0].variant

@@ -11,10 +11,12 @@ from typing import Literal
 
 from ..choice.folder import checked_selection, require_writable
 from ..choice.job import STEPS
+from ..choice.selection import place_of
 from ..errors import InputError
 from ..impacts.ball_ball.models import find_model
 from ..impacts.ball_ball.scene import find_scene
 from ..registry.lane_numbers import widths_for
+from ..registry.question import DEFAULT_IMPACT, find_impact
 from ..steppers.exact.budgets import plan_for
 from ..sweep.explore import Observer
 from ..sweep.lab import Lab, LocalLab
@@ -65,6 +67,7 @@ class SweepRequest:
     scheduler: str | None = None
     wait: float = 60.0
     command: str = "generator.api.sweep"
+    impact: str = DEFAULT_IMPACT
 
     @property
     def limit(self) -> float | None:
@@ -78,7 +81,7 @@ class SweepRequest:
 
     def folder(self, session: Session) -> Path:
         """Where choices are written."""
-        return (self.out or session.generated) / self.target / self.scene
+        return place_of(self.out or session.generated, self.target, self.scene, self.impact)
 
 
 @dataclass(frozen=True)
@@ -152,6 +155,7 @@ def _begun(
     asked: SweepRequest, session: Session
 ) -> Iterator[tuple[Plan, Lab, ResultStore, Ledger]]:
     """The plan, the machines that do the work, the opened store, and its trials."""
+    find_impact(asked.impact)
     target = _target(asked)
     scene = find_scene(asked.scene)
     model = find_model(asked.model or scene.model).name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..choice.selection import read_selection
+from ..choice.lookup import entries_for
 from ..emission.kernel_source import KernelSource, emit_header
 from ..emission.kernel_source import emit as emit_variant
 from ..errors import InputError
@@ -12,25 +12,25 @@ from ..impacts.ball_ball.derivation import LEGEND, Chapter, derivation
 from ..impacts.ball_ball.models import DEFAULT_MODEL, find_model
 from ..impacts.ball_ball.scene import find_scene
 from ..registry.axes import axis
-from ..registry.names import name_of, source_name_of, variant_named
+from ..registry.names import name_of, source_name_of
 from ..registry.presets import find_preset
-from ..registry.variant import Stepper, Variant, make_variant
+from ..registry.variant import Variant, fixed_steps, make_variant
 from ..targets.target import find_target
+from .request import kernel_named
 from .session import Session
 
 
 def emit(kernel: str, session: Session | None = None) -> str:
-    """The text of a kernel, named in full, by its file or as `carom_kernel()` tells it.
+    """The text of a kernel: of a question, or its file, and a recipe; without one, the chosen one.
 
     Where it was chosen these are the bytes in `generated/`; nothing is compiled or timed. Raises
     InputError where there is no such kernel.
     """
-    place, variant = (session or Session()).generated, variant_named(kernel)
-    places = (place / target / variant.scene for target in (variant.target, "native"))
-    found = [s for folder in places if (s := read_selection(folder)) is not None]
-    file = f"{source_name_of(variant)}.cpp"
-    chosen = [entry for s in found for entry in s.kernels if entry.file == file]
-    return _source(variant, kernel, chosen[0].grounds if chosen else "").source
+    session = session or Session()
+    variant = kernel_named(kernel, session)
+    name, chosen = source_name_of(variant), entries_for(session.generated, variant.question)
+    grounds = [entry.grounds for entry in chosen if source_name_of(entry.variant) == name]
+    return _source(variant, kernel, grounds[0] if grounds else "").source
 
 
 def header(scene: str) -> str:
@@ -63,13 +63,18 @@ class Explanation:
     flops: int
 
 
-def explain(kernel: str, target: str = "x86-64-v3", model: str = DEFAULT_MODEL) -> Explanation:
+def explain(
+    kernel: str,
+    target: str = "x86-64-v3",
+    model: str = DEFAULT_MODEL,
+    session: Session | None = None,
+) -> Explanation:
     """Explain a kernel: its name, options, derivation and operation counts.
 
     `kernel`: as for `emit`, or a preset, for a `target` and contact `model` then. Raises InputError
     where there is no such kernel.
     """
-    variant = _find(kernel, target, model)
+    variant = _find(kernel, target, model, session or Session())
     source = _source(variant, kernel)
     meanings = tuple(
         (key, code, next(c.text for c in axis(key).choices if c.code == code))
@@ -86,10 +91,9 @@ def explain(kernel: str, target: str = "x86-64-v3", model: str = DEFAULT_MODEL) 
     )
 
 
-def _find(kernel: str, target: str, model: str) -> Variant:
-    if "." in kernel:
-        return variant_named(kernel)
+def _find(kernel: str, target: str, model: str, session: Session) -> Variant:
+    if "/" in kernel:
+        return kernel_named(kernel, session)
     find_target(target)
     find_model(model)
-    stepper = Stepper("euler", steps=1000)
-    return make_variant(target, "any", model, stepper, **find_preset(kernel).options)
+    return make_variant(target, "any", model, fixed_steps(1000), **find_preset(kernel).options)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..choice.lookup import Goal
+from ..registry.question import DEFAULT_IMPACT, Goal, find_impact
 from ..targets.host import read_host
 from ..targets.target import find_target
 from ..vendoring.folder import require_replaceable, staged, write_files
@@ -24,7 +24,7 @@ class VendorOptions:
     `targets`: CPUs; several get a dispatcher. `scene`, `model`, `steps`, `max_error`: as in
     `Request`. `prefix`: what all names begin with. `single_header`: all in one header.
     `reproducible`: the same bits on every CPU. `force`: replace a folder that was edited by hand.
-    `seconds`: for timing, where no choice is stored yet.
+    `seconds`: for timing, where no choice is stored yet. `impact`: what collides.
     """
 
     targets: tuple[str, ...]
@@ -37,9 +37,11 @@ class VendorOptions:
     reproducible: bool = False
     force: bool = False
     seconds: float = 10.0
+    impact: str = DEFAULT_IMPACT
 
     def checked(self) -> VendorRequest:
         """What the names stand for. Raises InputError naming the one that cannot be."""
+        find_impact(self.impact)
         native = resolve_target("native")[0].name if "native" in self.targets else ""
         return make_request(
             checked_targets(",".join(self.targets), native),

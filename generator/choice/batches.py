@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-from ..evidence.records.recipe import contest_of
 from ..registry.axes import axis
 from ..registry.variant import Variant
 from ..targets.host import Host
@@ -54,7 +52,7 @@ def batch_job(
         model_all(bench, some, target, bench.batch_cases(scene, single.variant.model))
 
     choice = choose_sought(
-        bench, own, lambda: choose_elsewhere(bench, wide, candidates[0], target, True, model)
+        bench, own, lambda: choose_elsewhere(bench, wide, candidates[0], target, model)
     )
     return candidates, candidates[0], choice
 
@@ -63,9 +61,8 @@ def _with_recorded_lanes(
     bench: Workbench, variants: list[Variant], single: Variant, target: Target
 ) -> list[Variant]:
     """And the lanes that were fastest on the target's CPU, with single calls as chosen."""
-    contest = contest_of(variants[0], batch=True).split("/", 1)[1]
     found = [*variants]
-    for fast in bench.timings.fastest(contest, target.name, MORE):
+    for fast in bench.timings.fastest(variants[0].question.contest, target.name, MORE):
         found.append(in_lanes_of(fast, single))
     return legal_here(bench, found, target)
 
@@ -74,4 +71,4 @@ def in_lanes_of(fast: Variant, single: Variant) -> Variant:
     """The lanes of one kernel about the single calls of another."""
     lanes = {key: code for key, code in fast.options if axis(key).lanes}
     known = {"compiler": fast["compiler"], "fma": fast["fma"]}
-    return replace(single, stepper=fast.stepper).in_lanes(fast.width, **known, **lanes)
+    return single.with_stepper(fast.stepper).in_lanes(fast.width, **known, **lanes)

@@ -12,7 +12,7 @@ from ..registry.names import name_of
 from ..registry.presets import PAPER_PRESETS
 from ..registry.roots import COARSEST_FIRST, allows
 from ..registry.rules import broken_rule
-from ..registry.variant import Stepper, Variant, make_variant
+from ..registry.variant import Stepper, Variant, fixed_steps, make_variant
 from ..steppers.exact.budgets import tableaus_for
 from ..targets.target import Target
 
@@ -45,7 +45,7 @@ def fixed_step_candidates(
     target: Target, scene: str, model: str, steps: int, compilers: Iterable[str]
 ) -> list[Variant]:
     """Legal variants of the fixed-step scheme in a fixed order, the baseline first."""
-    stepper = Stepper("euler", steps=steps)
+    stepper = fixed_steps(steps)
     found = list(paper_rows(target.name, scene, model, stepper).values())
     if not target.has("fma"):
         found = [v.with_options(fma="nofma") for v in found]
@@ -118,7 +118,7 @@ def default_lanes(single: Variant, target: Target) -> Variant:
 
     Where its scene has none: `single` itself, whose batches go one by one.
     """
-    fixed, known = single.stepper.family == "euler", find_scene(single.scene)
+    fixed, known = single.stepper.family == "fixed", find_scene(single.scene)
     widest = max(widths_of(target, known.precision))
     if widest == 1 or (known.without_exact_lanes and not fixed):
         return single
@@ -145,7 +145,7 @@ def batch_candidates(
 
     `reproducible`: those whose bits are the same on every CPU.
     """
-    if single.stepper.family != "euler":
+    if single.stepper.family != "fixed":
         return _exact_batches(single, target, compilers)
     widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
     roots = _lane_roots(target, reproducible)
@@ -212,7 +212,7 @@ def baseline(
     A scene without fixed-step kernels is compared with that of scene `any`.
     """
     codes = tuple(compilers)
-    stepper = Stepper("euler", steps=steps)
+    stepper = fixed_steps(steps)
     own = scene if find_scene(scene).fixed_steps else "any"
     first = paper_rows(target.name, own, model, stepper)["paper-initial"]
     if "gcc" not in codes:

@@ -12,7 +12,6 @@ from ..evidence.verification.verdict import Verdict
 from ..registry.variant import Variant
 from ..targets.host import Host
 from ..targets.target import Target
-from .folder import file_of
 from .model_error import MODEL_ERROR, model_band
 from .selection import ChosenBy, Selected
 from .workbench import Candidate
@@ -139,13 +138,8 @@ def selected(choice: Choice, baseline: Candidate) -> Selected:
         ratio = round(_cycles(chosen) / _cycles(baseline), 4)
     assert chosen.verdict is not None
     return Selected(
-        kernel=chosen.name,
-        file=file_of(chosen.name),
-        model=variant.model,
-        stepper=variant.stepper.name,
-        steps=variant.stepper.steps,
-        budget=variant.stepper.budget,
-        width=variant.width,
+        question=str(variant.question),
+        recipe=str(variant.recipe),
         chosen_by=choice.by,
         measured_on=choice.measured_on,
         evidence=choice.evidence,
@@ -153,6 +147,6 @@ def selected(choice: Choice, baseline: Candidate) -> Selected:
         ratio_ci=interval,
         **found_errors(chosen.verdict),
         search=choice.sought or "",
-        error_against="euler" if variant.stepper.family == "euler" else "exact",
+        error_against="euler" if variant.stepper.family == "fixed" else "exact",
         ties=sorted(name for name in choice.ties if name != chosen.name),
     )

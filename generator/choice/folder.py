@@ -1,4 +1,4 @@
-"""A folder generated/<target>/<scene>/: its files follow from selection.json and the sources."""
+"""A folder generated/IMPACT/TARGET/SCENE/: its files follow from selection.json and the sources."""
 
 from __future__ import annotations
 
@@ -11,12 +11,9 @@ from pathlib import Path
 from ..emission.kernel_source import emit
 from ..errors import InputError
 from ..files import write_file
-from ..impacts.ball_ball.models import find_model
-from ..impacts.ball_ball.scene import find_scene
-from ..registry.names import source_name_of, variant_of
 from ..registry.rules import require_legal
 from ..targets.target import find_target
-from .selection import FILE, Selection, read_selection
+from .selection import FILE, Selection, how_to_make, read_selection
 
 
 @dataclass(frozen=True)
@@ -41,34 +38,27 @@ def require_writable(folder: Path) -> None:
         ) from None
 
 
-def file_of(kernel: str) -> str:
-    """The file of a kernel: its name without what only the compiler sees."""
-    return f"{source_name_of(variant_of(kernel))}.cpp"
-
-
 def checked_selection(folder: Path) -> Selection | None:
     """As read_selection, and every kernel named in it can be made. InputError names what cannot."""
     selection = read_selection(folder)
     if selection is None:
         return None
     path = folder / FILE
-    cure = (
-        f"remove it, then ./gen --target {folder.parent.name} --scene {folder.name} makes it anew"
-    )
-    if (selection.target, selection.scene) != (folder.parent.name, folder.name):
-        there = f"{selection.target}/{selection.scene}"
-        raise InputError(f"{path}: target/scene: {there}, but it lies elsewhere; {cure}")
+    cure = f"remove it, then {how_to_make(folder)} makes it anew"
+    there = (selection.impact, selection.target, selection.scene)
+    if there != folder.parts[-3:]:
+        raise InputError(
+            f"{path}: impact/target/scene: {'/'.join(there)}, but it lies elsewhere; {cure}"
+        )
     for index, entry in enumerate(selection.kernels):
+        asked = entry.variant.question
         try:
-            variant = variant_of(entry.kernel)
-            require_legal(variant, find_target(variant.target))
-            find_scene(variant.scene)
-            find_model(variant.model)
-            named = (variant.target, variant.scene, variant.model, file_of(entry.kernel))
-            if named != (selection.resolved, selection.scene, entry.model, entry.file):
-                raise ValueError("the name says another target, scene, model or file")
+            require_legal(entry.variant, find_target(asked.target))
+            named = (asked.impact, asked.target, asked.scene)
+            if named != (selection.impact, selection.resolved, selection.scene):
+                raise ValueError("the question says another impact, target or scene")
         except (ValueError, InputError) as error:
-            raise InputError(f"{path}: kernels.{index}.kernel: {error}; {cure}") from None
+            raise InputError(f"{path}: kernels.{index}: {error}; {cure}") from None
     return selection
 
 
@@ -76,8 +66,7 @@ def files_of(selection: Selection) -> dict[str, str]:
     """Names and texts of all files of a folder, selection.json included."""
     files = {FILE: selection.text()}
     for entry in selection.kernels:
-        variant = variant_of(entry.kernel)
-        source = emit(variant, grounds=entry.grounds)
+        source = emit(entry.variant, grounds=entry.grounds)
         files[entry.file] = source.source
         files["carom.h"] = source.header
     return dict(sorted(files.items()))
@@ -107,10 +96,8 @@ def strays_beside(root: Path) -> list[Path]:
     if root.resolve().name != "generated":
         return []  # a folder that a user named may hold other things of the user's
     kept = set(folders(root))
-    above = {path.parent for path in kept}
-    found = [path for path in root.iterdir() if path not in above]
-    found += [path for place in above for path in place.iterdir() if path not in kept]
-    return sorted(found)
+    above = {path for folder in kept for path in folder.parents[:3]} | {root}
+    return sorted(p for place in above for p in place.iterdir() if p not in above | kept)
 
 
 def remove(path: Path) -> None:
@@ -129,14 +116,14 @@ def _text(path: Path) -> str:
 
 def folders(root: Path) -> list[Path]:
     """All folders of generated/ that hold a selection, in order."""
-    return sorted(path.parent for path in root.glob(f"*/*/{FILE}"))
+    return sorted(path.parent for path in root.glob(f"*/*/*/{FILE}"))
 
 
 def differences(folder: Path) -> list[Difference]:
     """How a folder differs from what the sources give: file set and bytes."""
     selection = checked_selection(folder)
     if selection is None:
-        raise InputError(f"{folder}: no {FILE}; make it with ./gen --target {folder.parent.name}")
+        raise InputError(f"{folder}: no {FILE}; make it with {how_to_make(folder)}")
     return differences_from(folder, files_of(selection))
 
 

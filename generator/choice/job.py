@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from ..evidence.records.recipe import contest_of
 from ..registry.roots import is_reproducible
 from ..registry.variant import Variant
 from ..targets.host import Host
@@ -65,8 +64,7 @@ def _prepared(
     bench: Workbench, first: Variant, variants: Sequence[Variant], target: Target
 ) -> list[Candidate]:
     """The baseline, the variants and what was fastest on the target's CPU, compiled."""
-    contest = contest_of(variants[-1], batch=False).split("/", 1)[1]
-    known = with_recorded(bench, [first, *variants], target, contest)
+    known = with_recorded(bench, [first, *variants], target, variants[-1].question.contest)
     candidates = bench.prepare(known, target)
     bench.compile(candidates)
     return candidates
@@ -123,6 +121,6 @@ def _judged(
         model_all(bench, some, target, bench.timing_cases(scene, first.variant.model))
 
     choice = choose_sought(
-        bench, own, lambda: choose_elsewhere(bench, candidates, first, target, False, model)
+        bench, own, lambda: choose_elsewhere(bench, candidates, first, target, model)
     )
     return candidates, first, choice

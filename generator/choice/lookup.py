@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import KernelError
-from ..registry.names import variant_of
 from ..registry.presets import find_preset
-from ..registry.variant import Stepper, Variant, make_variant
+from ..registry.question import Goal, Question
+from ..registry.variant import Stepper, Variant, fixed_steps, make_variant
 from ..steppers.exact.budgets import tableaus_for
 from ..targets.host import Host
 from ..targets.target import Target
 from .candidates import default_lanes
-from .selection import Selection, read_selection
-
-
-@dataclass(frozen=True)
-class Goal:
-    """Fixed steps or an error budget: one of them."""
-
-    steps: int | None = None
-    budget: float | None = None
+from .selection import Selected, Selection, place_of, read_selection
 
 
 def kernel_for(
@@ -33,9 +24,8 @@ def kernel_for(
     Its own number of steps may be another than the goal's.
     """
     for selection in _selections(generated, target_name, target, scene):
-        entry = selection.find(model, steps=goal.steps, budget=goal.budget)
-        if entry is not None:
-            return variant_of(entry.kernel)
+        if (entry := selection.find(model, goal)) is not None:
+            return entry.variant
     return default_kernel(target, scene, model, goal)
 
 
@@ -47,13 +37,22 @@ def batch_kernel_for(
     Its number of steps is the goal's: a batch function has no other.
     """
     for selection in _selections(generated, target_name, target, scene):
-        entry = selection.find_batch(model, steps=goal.steps, budget=goal.budget)
-        if entry is not None:
-            found = variant_of(entry.kernel)
+        if (entry := selection.find(model, goal, batch=True)) is not None:
+            found = entry.variant
             break
     else:
         found = default_lanes(default_kernel(target, scene, model, goal), target)
-    return found if goal.steps is None else replace(found, stepper=Stepper("euler", goal.steps))
+    return found if goal.steps is None else found.with_stepper(fixed_steps(goal.steps))
+
+
+def entries_for(generated: Path, question: Question) -> list[Selected]:
+    """The stored choices for a question, that of its own target's folder first."""
+    places = (
+        place_of(generated, name, question.scene, question.impact)
+        for name in (question.target, "native")
+    )
+    found = [selection for place in places if (selection := read_selection(place)) is not None]
+    return [e for s in found for e in s.kernels if e.variant.question == question]
 
 
 def _selections(
@@ -61,7 +60,7 @@ def _selections(
 ) -> Iterator[Selection]:
     """The stored selections of a target, the one that counts first."""
     for name in dict.fromkeys((target_name, target.name)):
-        selection = read_selection(generated / name / scene)
+        selection = read_selection(place_of(generated, name, scene))
         if selection is not None and selection.resolved == target.name:
             yield selection
 
@@ -71,10 +70,9 @@ def default_kernel(target: Target, scene: str, model: str, goal: Goal) -> Varian
     fma = "fma" if target.has("fma") else "nofma"
     if goal.steps is not None:
         options = {**find_preset("reduced-ahead").options, "fma": fma}
-        stepper = Stepper("euler", steps=goal.steps)
+        stepper = fixed_steps(goal.steps)
         return make_variant(target.name, scene, model, stepper, **options)
-    assert goal.budget is not None
-    stepper = Stepper(tableaus_for(goal.budget)[0], budget=goal.budget)
+    stepper = Stepper(tableaus_for(goal.budget or 0.0)[0], budget=goal.budget)
     return make_variant(target.name, scene, model, stepper, fma=fma, root="inv")
 
 

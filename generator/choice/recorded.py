@@ -8,6 +8,7 @@ from ..evidence.records.code import compiled_hash, source_hash
 from ..evidence.records.record import Basis
 from ..evidence.timing.bench_tool import CASE_COLUMNS
 from ..registry.names import name_of
+from ..registry.question import Contest
 from ..registry.rules import broken_rule
 from ..registry.variant import Variant
 from ..targets.target import Target
@@ -21,12 +22,9 @@ Model = Callable[[Sequence[Candidate]], None]
 
 
 def with_recorded(
-    bench: Workbench, known: Sequence[Variant], target: Target, contest: str
+    bench: Workbench, known: Sequence[Variant], target: Target, contest: Contest
 ) -> list[Variant]:
-    """Candidates, and kernels of the recipes that were fastest on that CPU, each once.
-
-    `contest`: without its target.
-    """
+    """Candidates, and kernels of the recipes that were fastest on that CPU, each once."""
     fastest = bench.timings.fastest(contest, target.name, MORE)
     return legal_here(bench, [*known, *fastest], target)
 
@@ -42,12 +40,12 @@ def note_records(
     candidates: Sequence[Candidate],
     baseline: Candidate,
     target: Target,
-    batch: bool,
 ) -> None:
     """Give each candidate the record that tells most of it, if that CPU ever timed it."""
     if not bench.timings.contests(target.name):
         return
     variant = candidates[-1].variant
+    batch = variant.width > 1
     cases = (bench.batch_cases if batch else bench.timing_cases)(variant.scene, variant.model)
     first = compiled_hash(baseline.source, baseline.compiler.version, baseline.flags)
     for c in candidates:
@@ -59,7 +57,7 @@ def note_records(
             bench=bench.tool.executable.name,
             baseline=first,
         )
-        c.recorded = bench.timings.find(target.name, c.variant, batch, now)
+        c.recorded = bench.timings.find(target.name, c.variant, now)
 
 
 def choose_elsewhere(
@@ -67,21 +65,18 @@ def choose_elsewhere(
     candidates: Sequence[Candidate],
     baseline: Candidate,
     target: Target,
-    batch: bool,
     model: Model,
 ) -> Choice:
     """By the records of the target; `model` gives llvm-mca's cycles to those without any.
 
     The baseline and the kernel that the records choose are modelled beside these, to compare.
     """
-    note_records(bench, candidates, baseline, target, batch)
+    note_records(bench, candidates, baseline, target)
     fit = eligible(candidates)
     without = [c for c in fit if c.recorded is None]
     if len(without) == len(fit):
         model([baseline, *(c for c in candidates if c is not baseline)])
-        return choose_by_model(
-            candidates, target.row.mca_cpu, lambda v: bench.timings.wins(v, batch)
-        )
+        return choose_by_model(candidates, target.row.mca_cpu, lambda v: bench.timings.wins(v))
     if without:
         winner = choose_by_records(fit, target).chosen
         model([baseline, winner, *without])

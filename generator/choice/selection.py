@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
 from ..errors import InputError
+from ..registry.names import variant_of
+from ..registry.question import DEFAULT_IMPACT, Goal
+from ..registry.variant import Variant
 
 FILE = "selection.json"
 ChosenBy = Literal["timing", "records", "llvm-mca", "default"]  # records: timed earlier
@@ -19,13 +23,8 @@ class Selected(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    kernel: str  # full name in the grammar of variants.names, compiler and flags included
-    file: str
-    model: str
-    stepper: str
-    steps: int | None
-    budget: float | None
-    width: int
+    question: str
+    recipe: str  # compiler and flags, too
     chosen_by: ChosenBy
     measured_on: str  # the CPU that was timed or modelled
     evidence: str = ""  # which CPU was timed, when, how many kernels, how many of earlier code
@@ -37,6 +36,37 @@ class Selected(BaseModel):
     search: str = ""  # the largest error that a search found; begins with OVER where it is over
     error_against: Literal["exact", "euler"]
     ties: list[str]
+
+    @model_validator(mode="after")
+    def _reads(self) -> Selected:
+        """Refuse names that are not known: whoever has an entry asks no more."""
+        variant_of(self.kernel)
+        return self
+
+    @cached_property
+    def variant(self) -> Variant:
+        return variant_of(self.kernel)
+
+    @property
+    def kernel(self) -> str:
+        """The name of the kernel."""
+        return f"{self.question} {self.recipe}"
+
+    @property
+    def file(self) -> str:
+        return self.variant.question.file
+
+    @property
+    def model(self) -> str:
+        return self.variant.model
+
+    @property
+    def goal(self) -> Goal:
+        return self.variant.question.goal
+
+    @property
+    def width(self) -> int:
+        return self.variant.width
 
     @property
     def grounds(self) -> str:
@@ -52,32 +82,26 @@ class Selection(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    schema_version: Literal[1] = 1
+    schema_version: Literal[2] = 2
+    impact: str
     target: str
     resolved: str  # the target that `native` stood for, else the target itself
     scene: str
     kernels: list[Selected]
 
-    def find(
-        self, model: str, steps: int | None = None, budget: float | None = None, width: int = 1
-    ) -> Selected | None:
-        """The entry for a model: with fixed steps (any number of them) or with a budget."""
-        for entry in self.kernels:
-            if (entry.model, entry.width) != (model, width):
-                continue
-            if steps is not None and entry.stepper == "euler":
-                return entry
-            if budget is not None and entry.budget == budget:
-                return entry
-        return None
+    def find(self, model: str, goal: Goal, batch: bool = False) -> Selected | None:
+        """The entry for a model: with fixed steps (any number of them) or with a budget.
 
-    def find_batch(
-        self, model: str, steps: int | None = None, budget: float | None = None
-    ) -> Selected | None:
-        """As `find`, for lanes: the best of several widths."""
-        widths = sorted({entry.width for entry in self.kernels if entry.width > 1})
-        found = (self.find(model, steps, budget, width) for width in widths)
-        return min((entry for entry in found if entry), key=batch_rank, default=None)
+        `batch`: that with lanes, the best of several widths.
+        """
+        found = [
+            entry
+            for entry in self.kernels
+            if entry.model == model
+            and (entry.width > 1) == batch
+            and entry.goal.budget == goal.budget
+        ]
+        return min(found, key=batch_rank, default=None)
 
     def with_entries(self, entries: list[Selected]) -> Selection:
         """Entries replaced or added; the rest as it was. A goal has one batch kernel."""
@@ -96,9 +120,21 @@ def batch_rank(entry: Selected) -> tuple[float, int]:
     return ratio, -entry.width
 
 
-def _key(entry: Selected) -> tuple[str, str, str, bool]:
-    goal = f"n{entry.steps:09d}" if entry.steps is not None else f"e{entry.budget:.17e}"
-    return entry.model, entry.stepper if entry.steps is not None else "exact", goal, entry.width > 1
+def _key(entry: Selected) -> tuple[str, str, int, float, bool]:
+    goal = entry.goal
+    return entry.model, goal.family, goal.steps or 0, goal.budget or 0.0, entry.width > 1
+
+
+def place_of(root: Path, target: str, scene: str, impact: str = DEFAULT_IMPACT) -> Path:
+    """The folder of a selection: `root` is generated/, or another that is laid out as it is."""
+    return root / impact / target / scene
+
+
+def how_to_make(folder: Path) -> str:
+    """The command that makes a folder."""
+    impact, target, scene = folder.parts[-3:]
+    named = "" if impact == DEFAULT_IMPACT else f" --impact {impact}"
+    return f"./gen --target {target}{named} --scene {scene}"
 
 
 def read_selection(folder: Path) -> Selection | None:
@@ -113,6 +149,5 @@ def read_selection(folder: Path) -> Selection | None:
         where = ".".join(str(part) for part in first["loc"]) if first else "(file)"
         reason = first["msg"] if first else str(error)
         raise InputError(
-            f"{path}: {where}: {reason}; remove it, then ./gen --target {folder.parent.name} "
-            f"--scene {folder.name} makes it anew"
+            f"{path}: {where}: {reason}; remove it, then {how_to_make(folder)} makes it anew"
         ) from None

@@ -266,7 +266,7 @@ class Workbench:
             candidate.library.key,
             expected.key,
             verification_hash(),
-            candidate.variant.stepper.goal,
+            str(candidate.variant.stepper.goal),
             self.kernel_timeout,
         )
         library = candidate.library.path
@@ -289,7 +289,7 @@ class Workbench:
         """From the store, or made now."""
         job, variant = at_worst(candidate.build_job), candidate.variant
         patterns = [asdict(pattern) for pattern in PATTERNS]
-        rules = verification_hash(), variant.stepper.goal, self.kernel_timeout
+        rules = verification_hash(), str(variant.stepper.goal), self.kernel_timeout
         key = key_of(cache_key(job), expected.key, *rules, patterns)
 
         def make() -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,19 +18,18 @@ if TYPE_CHECKING:
 
 
 @click.command()
+@options.IMPACT
 @options.TARGET
 @options.SCENE
 @click.option("--model", help="only this contact model; default: all that were generated")
 @click.option("--json", "json_path", type=options.PLACE, help="write all figures to a file")
 @options.seconds(20.0, "each model")
-def bench(
-    target: str, scene: str, model: str | None, json_path: Path | None, seconds: float
-) -> int:
+def bench(json_path: Path | None, **asked: Any) -> int:
     """Verify and time the kernels that were generated and paper-initial."""
     if json_path is not None:
         require_place(json_path)
     with session() as told:
-        found = api.bench(target, scene, model, seconds, told)
+        found = api.bench(**asked, session=told)
     apart = json_path is not None and is_stdout(json_path)
     if json_path is not None:
         write_file(json_path, json.dumps(found.document(), indent=2) + "\n")

@@ -13,9 +13,12 @@ from ..files import require_place, write_file
 from . import options
 from .show import session
 
+_REQUEST = ("impact", "target", "scene", "model", "max_error", "batch")
+
 
 @click.command()
-@click.argument("kernel", required=False)
+@click.argument("kernel", nargs=-1, metavar="[QUESTION [RECIPE]]")
+@options.IMPACT
 @options.TARGET
 @options.SCENE
 @options.MODEL
@@ -40,18 +43,20 @@ from .show import session
 @click.option("--json", "json_path", type=options.PLACE, help="write all of it")
 @click.option("--keep", "keeps", is_flag=True, help="add what is over to the kept cases")
 def challenge(
-    kernel: str | None,
+    kernel: tuple[str, ...],
     everything: bool,
     json_path: Path | None,
     keeps: bool,
     **asked: Any,
 ) -> int:
-    """Search for the input with the largest error of the chosen kernel, or of KERNEL."""
+    """Search for the input with the largest error of the chosen kernel, or of another."""
     from ..evidence.verification.hard_cases import FILE
     from .challenge_lines import brief_line, lines
 
-    own = {key: asked.pop(key) for key in ("target", "scene", "model", "max_error", "batch")}
-    request = api.ChallengeRequest(api.Request(**own), kernel, everything, **asked)
+    own = {key: asked.pop(key) for key in _REQUEST}
+    request = api.ChallengeRequest(
+        api.Request(**own), " ".join(kernel) or None, everything, **asked
+    )
     if json_path is not None:
         require_place(json_path)
     documents, held = [], True

@@ -16,6 +16,7 @@ from .show import session
 @click.command()
 @click.option("--cases", required=True, type=options.PLACE, help="CSV of cases")
 @click.option("--out", required=True, type=options.PLACE, help="CSV to write")
+@options.IMPACT
 @options.MODEL
 @options.TARGET
 @options.STEPS

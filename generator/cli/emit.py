@@ -1,4 +1,4 @@
-"""gen emit KERNEL: the text of one kernel, byte for byte as `generated/` holds it."""
+"""gen emit QUESTION RECIPE: the text of one kernel, byte for byte as `generated/` holds it."""
 
 from __future__ import annotations
 
@@ -13,20 +13,21 @@ from .show import session
 
 
 @click.command()
-@click.argument("kernel", required=False)
+@click.argument("kernel", nargs=-1, metavar="[QUESTION [RECIPE]]")
 @click.option("--header", metavar="SCENE", help="the header of a scene instead of a kernel")
 @click.option("--out", type=options.PLACE, help="file to write instead of printing")
-def emit(kernel: str | None, header: str | None, out: Path | None) -> None:
-    """Print the text of KERNEL, named in full, by its file or as `carom_kernel()` tells it.
+def emit(kernel: tuple[str, ...], header: str | None, out: Path | None) -> None:
+    """Print the text of the kernel that answers QUESTION by RECIPE; without one, of the chosen one.
 
-    Where it was chosen these are the bytes in generated/; nothing is compiled or timed.
+    QUESTION: impact/target/scene/model-goal-width, or a file of generated/. Where the kernel was
+    chosen these are the bytes in generated/; nothing is compiled or timed.
     """
-    if (kernel is None) == (header is None):
-        raise click.UsageError("name a kernel, or the scene of a --header")
+    if bool(kernel) == (header is not None):
+        raise click.UsageError("name a question, or the scene of a --header")
     if out is not None:
         require_place(out)
     with session() as told:
-        text = api.header(header) if header is not None else api.emit(kernel or "", told)
+        text = api.header(header) if header is not None else api.emit(" ".join(kernel), told)
     if out is None:
         click.echo(text, nl=False)
     else:

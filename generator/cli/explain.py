@@ -1,4 +1,4 @@
-"""gen explain KERNEL: the derivation, the options and the operation counts of a kernel."""
+"""gen explain QUESTION RECIPE: the derivation, the options and the operation counts of a kernel."""
 
 from __future__ import annotations
 
@@ -8,15 +8,17 @@ import click
 
 from .. import api
 from ..impacts.ball_ball.models import DEFAULT_MODEL
+from .show import session
 
 
 @click.command()
-@click.argument("kernel")
+@click.argument("kernel", nargs=-1, required=True, metavar="QUESTION [RECIPE] | PRESET")
 @click.option("--target", default="x86-64-v3", show_default=True, help="for a preset")
 @click.option("--model", default=DEFAULT_MODEL, show_default=True, help="for a preset")
-def explain(kernel: str, target: str, model: str) -> None:
-    """Explain a kernel, by its name, its file or a preset (see list variants)."""
-    found = api.explain(kernel, target, model)
+def explain(kernel: tuple[str, ...], target: str, model: str) -> None:
+    """Explain a kernel: by question and recipe, by its file, or a preset (see list variants)."""
+    with session() as told:
+        found = api.explain(" ".join(kernel), target, model, told)
     click.echo(f"{found.kernel}\n\nSymbols:")
     _columns(found.legend, 2)
     click.echo("\nOptions:")

@@ -87,6 +87,7 @@ def _drop_what_cannot_be_written(stream: TextIO) -> None:
 
 @click.group(cls=OneLineGroup, invoke_without_command=True)
 @click.option("--target", help="CPU to generate for: native, zen3, ... (list targets)")
+@options.IMPACT
 @options.SCENE
 @click.option("--model", help="contact model, or all; default: the scene's")
 @click.option("--max-error", type=float, help="this error budget alone, and no fixed steps")

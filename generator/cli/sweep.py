@@ -15,6 +15,7 @@ from .watch import say_outcomes, say_stopped, say_verified, watched
 
 
 @click.command()
+@options.IMPACT
 @options.TARGET
 @options.SCENE
 @options.MODEL
@@ -32,7 +33,7 @@ from .watch import say_outcomes, say_stopped, say_verified, watched
 @click.option("--seed", default=1, show_default=True, help="of what is drawn at random")
 @click.option("--store", type=options.PLACE, help="file that keeps the records")
 @click.option("--fresh", is_flag=True, help="make every trial anew; what is stored stays")
-@click.option("--write", is_flag=True, help="make generated/TARGET/SCENE/ of what was chosen")
+@click.option("--write", is_flag=True, help="make a folder of generated/ of what was chosen")
 @click.option("--out", type=options.PLACE, help="with --write: not generated/")
 @click.option("--verify-choice", is_flag=True, help="only time the choice against the next best")
 @click.option(

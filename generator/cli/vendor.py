@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.option("--target", help="CPUs with commas, as zen3,x86-64-v3; several get a dispatcher")
+@options.IMPACT
 @options.SCENE
 @options.MODEL
 @options.MAX_ERROR

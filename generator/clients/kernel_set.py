@@ -13,14 +13,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..choice.candidates import default_lanes
-from ..choice.lookup import Goal, default_kernel
+from ..choice.lookup import default_kernel
 from ..emission.client_file import client_file
 from ..emission.kernel_source import KernelSource, Naming, emit
 from ..files import write_file
 from ..impacts.ball_ball.models import MODELS
 from ..impacts.ball_ball.scene import find_scene
 from ..lowering.isa import compiled_features
-from ..registry.names import name_of, symbol_of
+from ..registry.names import name_of
+from ..registry.question import Goal, symbol_of
 from ..registry.rules import broken_rule
 from ..registry.variant import Variant
 from ..targets.target import Target, target_or_port

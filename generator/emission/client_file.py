@@ -11,4 +11,4 @@ from .formatting import format_source
 def client_file(name: str, command: str, data: Iterable[str], **shown: object) -> str:
     """A file from its template, with the banner of all generated files; `data` as there."""
     made = name.removesuffix(".j2")
-    return format_source(bannered(f"clients/{name}", made, command, data, shown), made)
+    return format_source(bannered(f"clients/{name}", {"file": made}, command, data, shown), made)

@@ -25,7 +25,7 @@ from ..lowering.lanes import LaneContext, lane_context
 from ..lowering.printer import number
 from ..lowering.text_counts import operations_in
 from ..registry.lane_numbers import precision_of
-from ..registry.names import source_name_of
+from ..registry.names import source_name_of, source_recipe_of
 from ..registry.rules import require_legal
 from ..registry.variant import Variant
 from ..steppers.exact.context import ExactContext, exact_context
@@ -70,6 +70,7 @@ class HeaderUse:
 
 
 _PLAIN, _ANY_USE = Naming(), HeaderUse()
+_COUNTED = {"fixed": "an iteration", "exact": "a step"}  # what a banner counts operations of
 
 
 @dataclass(frozen=True)
@@ -376,7 +377,7 @@ def emit(
         fields=fields,
         tilt_allowed=variant.model == "pooltool",
         vector_frame=vector_frame,
-        fixed_step=variant.stepper.family == "euler",
+        fixed_step=variant.stepper.family == "fixed",
         core_template="fixed_step/core.j2",
         project_template=f"sections/project_{'vector' if vector_frame else 'scalar'}.j2",
         restore_template=f"sections/restore_{'vector' if vector_frame else 'scalar'}.j2",
@@ -394,7 +395,7 @@ def emit(
         )
         context.contact_slip = one.slips(("c_x", "c_z")).lines
         context.lanes_slip = lanes.slips(("c_x", "c_z")).lines
-    fixed_step = variant.stepper.family == "euler"
+    fixed_step = variant.stepper.family == "fixed"
     if fixed_step:
         counts = _fixed_step(context, variant, target)
         method = _fixed_step_contract(variant, counts)
@@ -405,11 +406,16 @@ def emit(
     shown = {"k": context, "x": context.exact, "lanes": context.lanes, "b": context.euler_batch}
     data = (name, repr(naming), *_data_of(target), scene.model_dump_json())
     remake = command or f"./gen emit {name}"
-    text = bannered("kernel.cpp.j2", name, remake, data, shown, grounds=grounds)
+    rows = {
+        "question": str(variant.question),
+        "recipe": source_recipe_of(variant),
+        "counts": f"{counts.describe()} {_COUNTED[variant.stepper.family]}",
+    }
+    text = bannered("kernel.cpp.j2", rows, remake, data, shown, grounds=grounds)
     if line := isa.estimates_line(text):
         context.contract += tuple(textwrap.wrap(line, 96))
-        text = bannered("kernel.cpp.j2", name, remake, data, shown, grounds=grounds)
-    source = format_source(text, f"{name}.cpp")
+        text = bannered("kernel.cpp.j2", rows, remake, data, shown, grounds=grounds)
+    source = format_source(text, variant.question.file)
     return KernelSource(
         variant=variant,
         source_name=name,
@@ -444,7 +450,7 @@ def emit_header(
     }
     remake = command or f"./gen emit --header {scene.name}"
     data = (scene.model_dump_json(), prefix, repr(use))
-    text = bannered("carom.h.j2", f"scene {scene.name}", remake, data, values, "/*")
+    text = bannered("carom.h.j2", {"scene": scene.name}, remake, data, values, "/*")
     return format_source(text, f"{prefix}.h")
 
 

@@ -24,7 +24,7 @@ class Axis:
     key: str
     text: str
     choices: tuple[Choice, ...]  # the first one is the default
-    family: str = "euler"  # which steppers have it: "euler", "exact" or "all"
+    family: str = "fixed"  # which steppers have it: "fixed", "exact" or "all"
     lanes: bool = False  # only kernels with more than one lane have it
 
     @property
@@ -44,14 +44,14 @@ AXES: tuple[Axis, ...] = (
     _axis(
         "state",
         "what the loop carries",
-        "euler",
+        "fixed",
         full="the ten velocities (twelve with lift), slips made from them",
         reduced="the slips alone; velocities recovered after the loop",
     ),
     _axis(
         "store",
         "register scoping",
-        "euler",
+        "fixed",
         named="a named scalar each",
         arrays="small arrays, one a vector",
         blocks="scalars with temporaries confined to blocks",
@@ -59,7 +59,7 @@ AXES: tuple[Axis, ...] = (
     _axis(
         "reuse",
         "what is kept between uses",
-        "euler",
+        "fixed",
         keep="slips kept from one iteration to the next, as the report does",
         recompute="slips made again from the velocities in each iteration, and dropped",
         precompute="products of constants made before the loop; speeds instead of impulses",
@@ -68,14 +68,14 @@ AXES: tuple[Axis, ...] = (
     _axis(
         "order",
         "order of statements",
-        "euler",
+        "fixed",
         paper="as the paper lists them",
         chain="the chain slip -> 1/|c| -> slip first",
     ),
     _axis(
         "rsqrt",
         "reciprocal of a slip's length",
-        "euler",
+        "fixed",
         div="sqrt, then a division for each component",
         inv="sqrt and one division",
         est1="hardware estimate and one Newton step",
@@ -86,7 +86,7 @@ AXES: tuple[Axis, ...] = (
     _axis(
         "roots",
         "square roots an iteration",
-        "euler",
+        "fixed",
         three="all three at the end of the iteration, as the report",
         two="two, each where it is used",
         early="two or three at the start, before any branch",
@@ -113,7 +113,7 @@ AXES: tuple[Axis, ...] = (
     _axis(
         "branch",
         "branches of an iteration",
-        "euler",
+        "fixed",
         nested="nested as in the report",
         likely="nested, the usual side annotated",
         inverted="everything computed, then masked by ?:",
@@ -123,14 +123,14 @@ AXES: tuple[Axis, ...] = (
     _axis(
         "loop",
         "phases",
-        "euler",
+        "fixed",
         onestage="one loop for compression and restitution",
         twostage="a loop for each",
     ),
     _axis(
         "simd",
         "SIMD inside one collision",
-        "euler",
+        "fixed",
         scalar="none",
         prepost="before and after the loop",
         balls="lanes are the two balls",
@@ -151,7 +151,7 @@ AXES: tuple[Axis, ...] = (
     _axis(
         "finished",
         "lanes whose collision is over, in fixed steps",
-        "euler",
+        "fixed",
         lanes=True,
         masked="stand still till their vector is over; contact that chatters comes last in it",
         aside="the same, but contact that chatters is set aside and done in a second pass",
@@ -170,7 +170,7 @@ AXES: tuple[Axis, ...] = (
     ),
     _axis(
         "numbers",
-        "numbers in lanes of an exact stepper",
+        "numbers in lanes of an exact stepper; the width says it",
         "exact",
         lanes=True,
         own="the scene's",

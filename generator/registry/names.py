@@ -1,96 +1,82 @@
-"""The one grammar of kernel names.
+"""Names of kernels: the question, and after a space the recipe.
 
-    NAME := TARGET "." SCENE "." MODEL "." STEPPER "." GOAL "." WIDTH ( "." CHOICE )*
-
-TARGET, SCENE, MODEL and STEPPER are registry names (letters, digits, `-` and `_`); GOAL is
-`n<steps>` or `e<budget>`; WIDTH is `x<lanes>`; then one CHOICE code for each axis of the stepper's
-family and width, in axis order. Files use the name as it is, C symbols with `.` and `-` turned
-into `_`.
+`name_of` makes them and `variant_of` reads them back; there is no other grammar. A file is named by
+its question alone (question.py); how a recipe is written stands in recipe.py.
 """
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 from ..errors import InputError
-from ..tableaus.tableaus import TABLEAUS
 from .axes import axes_of
-from .variant import Stepper, Variant, budget_of, make_variant
-
-HIDDEN = ("compiler", "flags")  # what only the compiler sees
-_FIELD = re.compile(r"[A-Za-z0-9_-]+")
+from .question import Question, Width, read_question
+from .recipe import HIDDEN, family_of, read_recipe
+from .variant import NUMBERS, Variant, answered
 
 
 def name_of(variant: Variant) -> str:
     """The name of a variant; `variant_of` reads it back."""
-    head = (
-        variant.target,
-        variant.scene,
-        variant.model,
-        variant.stepper.name,
-        variant.stepper.goal,
-        f"x{variant.width}",
-    )
-    return ".".join((*head, *(code for _, code in variant.options)))
+    return f"{variant.question} {variant.recipe}"
 
 
 def source_name_of(variant: Variant) -> str:
-    """The name without the fields that only the compiler sees: it names the source text."""
-    head = name_of(variant).split(".")[:6]
-    return ".".join((*head, *(code for key, code in variant.options if key not in HIDDEN)))
+    """The name without what only the compiler sees: it names the source text."""
+    return f"{variant.question} {source_recipe_of(variant)}"
 
 
-def symbol_of(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9]", "_", name)
+def source_recipe_of(variant: Variant) -> str:
+    """The recipe without what only the compiler sees."""
+    return variant.recipe.text(without=HIDDEN)
 
 
 def variant_of(name: str) -> Variant:
-    """Read a name back. Raises ValueError that says which field is wrong and what it may be."""
-    return _read(name)
+    """Read a name back. Raises ValueError that says which word is wrong and what it may be."""
+    question, _, recipe = name.strip().partition(" ")
+    return variant_from(read_question(question), recipe)
 
 
-def variant_named(text: str) -> Variant:
-    """The kernel that a user names: in full, or as its text and file do and `carom_kernel()` tells.
+def variant_from(question: Question, recipe: str) -> Variant:
+    """A question with the text of a recipe. Raises ValueError as `variant_of` does."""
+    stepper, options = read_recipe(recipe)
+    family, width = family_of(stepper), question.width
+    if family != question.goal.family:
+        expected = "n<steps> as n1000" if family == "fixed" else "e<budget> as e1m06"
+        raise ValueError(f"'{question.goal}' is no goal of {stepper}; expected {expected}")
+    known = [a.key for a in axes_of(family, width.lanes)]
+    if width.floats and NUMBERS not in known:
+        raise ValueError(f"'{width}' is no width of {stepper}; expected {Width(width.lanes)}")
+    strange = [key for key in options if key not in known or key == NUMBERS]
+    if strange:
+        there = ", ".join(key for key in known if key != NUMBERS)
+        raise ValueError(f"{stepper} {width} has no option '{strange[0]}'; it has {there}")
+    return answered(question, stepper, options)
 
-    What only the compiler sees may be left out, and is the default then. A file may be a path.
-    Raises InputError that says which field is wrong.
+
+def question_named(text: str, native: str) -> Question:
+    """The question that a user names, by itself or by its file. InputError says what is wrong.
+
+    `native`: the target that this name stands for.
     """
-    name = Path(text).name.removesuffix(".cpp") if text.endswith(".cpp") else text
+    fields = text.split("/")
+    if text.endswith(".cpp"):
+        fields = list(Path(text.removesuffix(".cpp")).resolve().parts[-4:])
+    if fields[1:2] == ["native"]:
+        fields[1] = native
+    text = "/".join(fields)
     try:
-        return _read(name, HIDDEN)
+        return read_question(text)
     except ValueError as error:
         raise InputError(str(error)) from None
 
 
-def _read(name: str, may_lack: tuple[str, ...] = ()) -> Variant:
-    fields = name.split(".")
-    if len(fields) < 6 or not all(_FIELD.fullmatch(field) for field in fields):
-        raise ValueError(
-            f"'{name}' is no kernel name; expected TARGET.SCENE.MODEL.STEPPER.GOAL.xWIDTH.CHOICES"
-        )
-    target, scene, model, stepper_name, goal, width = fields[:6]
-    stepper = _stepper_of(stepper_name, goal)
-    if not re.fullmatch(r"x[1-9][0-9]*", width):
-        raise ValueError(f"'{width}' in '{name}' is no width; expected x1, x4, ...")
-    axes = axes_of(stepper.family, int(width[1:]))
-    if len(fields) - 6 == len(axes) - len(may_lack):
-        axes = tuple(axis for axis in axes if axis.key not in may_lack)
-    if len(fields) - 6 != len(axes):
-        raise ValueError(
-            f"'{name}' has {len(fields) - 6} choices; {stepper.name} {width} has {len(axes)}: "
-            f"{'.'.join(a.key for a in axes)}"
-        )
-    options = {a.key: code for a, code in zip(axes, fields[6:], strict=True)}
-    return make_variant(target, scene, model, stepper, int(width[1:]), **options)
+def variant_named(text: str) -> Variant:
+    """The kernel that a user names, as tables show it or as `carom_kernel()` tells it.
 
-
-def _stepper_of(name: str, goal: str) -> Stepper:
-    if name != "euler" and name not in TABLEAUS:
-        raise ValueError(f"'{name}' is no stepper; there are euler, {', '.join(TABLEAUS)}")
-    if name == "euler" and re.fullmatch(r"n[1-9][0-9]*", goal):
-        return Stepper(name, steps=int(goal[1:]))
-    if name != "euler" and re.fullmatch(r"e[0-9](p[0-9]+)?m[0-9]+", goal):
-        return Stepper(name, budget=budget_of(goal))
-    expected = "n<steps> as n1000" if name == "euler" else "e<budget> as e1m06"
-    raise ValueError(f"'{goal}' is no goal of {name}; expected {expected}")
+    What only the compiler sees may be left out, and is the default then. InputError says what is
+    wrong.
+    """
+    try:
+        return variant_of(text)
+    except ValueError as error:
+        raise InputError(str(error)) from None

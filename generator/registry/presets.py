@@ -105,7 +105,7 @@ def find_preset(name: str) -> Preset:
 
 def preset_of(variant: Variant) -> str:
     """The report's name for a variant, whichever compiler makes it, or empty."""
-    if variant.stepper.family != "euler":
+    if variant.stepper.family != "fixed":
         return ""
     for preset in PAPER_PRESETS:
         options = {**preset.options, "compiler": variant["compiler"]}

@@ -24,7 +24,7 @@ class Rule:
 
 
 def _euler(test: Callable[[Variant], bool]) -> Callable[[Variant, Target], bool]:
-    return lambda v, _target: v.stepper.family == "euler" and test(v)
+    return lambda v, _target: v.stepper.family == "fixed" and test(v)
 
 
 def _floats(v: Variant) -> bool:

@@ -1,74 +1,110 @@
-"""A variant: everything that decides the text of one kernel and how it is compiled."""
+"""A variant: a question and a recipe: all that decides the text of a kernel and its compiling."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
+from functools import cached_property
 
 from .axes import axes_of, axis
+from .question import DEFAULT_IMPACT, Family, Goal, Question, Width
+from .recipe import FIXED, Recipe, family_of
+
+NUMBERS = "numbers"  # the axis that the question's width says
 
 
 @dataclass(frozen=True)
 class Stepper:
-    """How the impulse is stepped: Euler with N steps, or an exact scheme with an error budget."""
+    """How the impulse is stepped: N fixed steps, or an exact scheme with an error budget."""
 
-    name: str  # "euler", or the registry name of an exact stepper
+    name: str  # FIXED, or a tableau
     steps: int | None = None
     budget: float | None = None
 
     @property
-    def family(self) -> str:
-        return "euler" if self.name == "euler" else "exact"
+    def family(self) -> Family:
+        return family_of(self.name)
 
     @property
-    def goal(self) -> str:
-        """The name field that says what is held fixed: `n1000` or `e1m06`."""
-        if self.steps is not None:
-            return f"n{self.steps}"
-        assert self.budget is not None
-        return budget_field(self.budget)
+    def goal(self) -> Goal:
+        return Goal(self.steps, self.budget)
 
 
-def budget_field(budget: float) -> str:
-    """A budget as a name field: 1e-6 is `e1m06`, 2.5e-6 is `e2p5m06`."""
-    digits = next(text for n in range(17) if float(text := f"{budget:.{n}e}") == budget)
-    mantissa, exponent = digits.split("e-")
-    return f"e{mantissa.replace('.', 'p')}m{exponent}"
-
-
-def budget_of(field: str) -> float:
-    """The budget that a name field stands for."""
-    return float(field[1:].replace("p", ".").replace("m", "e-"))
+def fixed_steps(steps: int | None) -> Stepper:
+    """The stepper of that many fixed steps."""
+    return Stepper(FIXED, steps=steps)
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One kernel. `options` holds a choice for each axis of its family, in axis order."""
+    """One kernel, named by its question and its recipe."""
 
-    target: str
-    scene: str
-    model: str
-    stepper: Stepper
-    width: int
-    options: tuple[tuple[str, str], ...]
+    question: Question
+    recipe: Recipe
+
+    @property
+    def target(self) -> str:
+        return self.question.target
+
+    @property
+    def scene(self) -> str:
+        return self.question.scene
+
+    @property
+    def model(self) -> str:
+        return self.question.model
+
+    @property
+    def width(self) -> int:
+        """Lanes; 1 is scalar."""
+        return self.question.width.lanes
+
+    @cached_property
+    def stepper(self) -> Stepper:
+        goal = self.question.goal
+        return Stepper(self.recipe.stepper, goal.steps, goal.budget)
+
+    @cached_property
+    def options(self) -> tuple[tuple[str, str], ...]:
+        """A choice for each axis, in axis order; of numbers in lanes, too."""
+        axes = axes_of(self.recipe.family, self.width)
+        return tuple((a.key, self._codes[a.key]) for a in axes)
+
+    @cached_property
+    def _codes(self) -> dict[str, str]:
+        codes = dict(self.recipe.options)
+        if any(a.key == NUMBERS for a in axes_of(self.recipe.family, self.width)):
+            codes[NUMBERS] = "float" if self.question.width.floats else axis(NUMBERS).default
+        return codes
 
     def __getitem__(self, key: str) -> str:
-        return dict(self.options)[key]
+        return self._codes[key]
 
     def get(self, key: str, otherwise: str = "") -> str:
-        return dict(self.options).get(key, otherwise)
-
-    def mapping(self) -> MappingProxyType[str, str]:
-        return MappingProxyType(dict(self.options))
+        return self._codes.get(key, otherwise)
 
     def with_options(self, **changes: str) -> Variant:
         """The same kernel with other choices; ValueError names a choice that does not exist."""
-        chosen = dict(self.options)
-        for key, code in changes.items():
-            chosen[key] = _checked(key, code)
-        axes = axes_of(self.stepper.family, self.width)
-        ordered = tuple((a.key, chosen[a.key]) for a in axes)
-        return replace(self, options=ordered)
+        changed = {key: _checked(key, code) for key, code in changes.items()}
+        return variant_with(self.question, self.recipe.stepper, {**self._codes, **changed})
+
+    def with_stepper(self, stepper: Stepper) -> Variant:
+        """The same options with another stepper of the family, or for another goal."""
+        question = replace(self.question, goal=stepper.goal)
+        return Variant(question, replace(self.recipe, stepper=stepper.name))
+
+    def moved(
+        self, *, target: str | None = None, scene: str | None = None, model: str | None = None
+    ) -> Variant:
+        """The same options for another target, scene or model."""
+        asked = self.question
+        other = replace(
+            asked,
+            target=asked.target if target is None else target,
+            scene=scene or asked.scene,
+            model=model or asked.model,
+        )
+        return Variant(other, self.recipe)
 
     def in_lanes(self, width: int, **changes: str) -> Variant:
         """The same kernel with batches in vectors of `width`; options of lanes default or given.
@@ -76,8 +112,8 @@ class Variant:
         With width 1 batches go one by one. ValueError names a choice that does not exist.
         """
         options = {key: code for key, code in self.options if not axis(key).lanes}
-        head = (self.target, self.scene, self.model, self.stepper)
-        return make_variant(*head, width, **{**options, **changes})
+        question = replace(self.question, width=Width(width))
+        return answered(question, self.recipe.stepper, {**options, **changes})
 
     @property
     def vectors(self) -> int:
@@ -110,6 +146,32 @@ def _checked(key: str, code: str) -> str:
     return code
 
 
+def variant_with(question: Question, stepper: str, codes: Mapping[str, str]) -> Variant:
+    """A variant with a code for each axis that it has; others are left out."""
+    lanes = question.width.lanes
+    axes = axes_of(family_of(stepper), lanes)
+    options = tuple((a.key, codes[a.key]) for a in axes if a.key != NUMBERS)
+    if len(options) < len(axes):
+        question = replace(question, width=Width(lanes, codes[NUMBERS] == "float"))
+    return Variant(question, Recipe(stepper, options))
+
+
+def answered(question: Question, stepper: str, options: Mapping[str, str]) -> Variant:
+    """A question answered by a stepper, with defaults for every option that is not named.
+
+    Lanes of an exact kernel make their roots as its single calls do, unless told otherwise. Options
+    that only other kernels have are left out. ValueError names a choice that does not exist.
+    """
+    family, width = family_of(stepper), question.width
+    codes = {a.key: a.default for a in axes_of(family, width.lanes)}
+    if width.floats:
+        codes[NUMBERS] = "float"
+    if family == "exact" and "root" in options:
+        codes["lane_root"] = options["root"]
+    codes |= {key: _checked(key, code) for key, code in options.items()}
+    return variant_with(question, stepper, codes)
+
+
 def make_variant(
     target: str,
     scene: str,
@@ -119,12 +181,6 @@ def make_variant(
     /,
     **options: str,
 ) -> Variant:
-    """A variant with defaults for every option that is not named.
-
-    Lanes of an exact kernel make their roots as its single calls do, unless told otherwise.
-    """
-    if stepper.family == "exact" and width > 1 and "root" in options:
-        options = {"lane_root": options["root"], **options}
-    defaults = tuple((a.key, a.default) for a in axes_of(stepper.family, width))
-    base = Variant(target, scene, model, stepper, width, defaults)
-    return base.with_options(**options)
+    """As `answered`, of two balls."""
+    question = Question(DEFAULT_IMPACT, target, scene, model, stepper.goal, Width(width))
+    return answered(question, stepper.name, options)

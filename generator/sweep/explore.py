@@ -218,7 +218,7 @@ class Exploration:
             compiler=code.compiler,
             flags=code.flags,
             cpu=self.lab.cpu,
-            goal=variant.stepper.goal,
+            goal=str(variant.stepper.goal),
             call=self.contest.call,
             cases=rules.cases,
             rules=rules.rules,

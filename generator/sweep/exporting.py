@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from ..evidence.records.recipe import contest_of, recipe_of
 from ..evidence.records.record import Basis, Cpu, TimingRecord
 from ..targets.host import KNOWN_CPUS
 from .ledger import identity
@@ -76,12 +75,12 @@ def _of_trial(trial: Trial) -> _Timed:
 
 
 def _record(timed: _Timed, run: Run) -> TimingRecord:
-    subject, depends = timed.trial.subject, timed.trial.depends
+    depends = timed.trial.depends
     assert depends is not None
-    variant = variant_of_subject(subject)
+    variant = variant_of_subject(timed.trial.subject)
     return TimingRecord(
-        contest=contest_of(variant, subject.call == "batch"),
-        recipe=recipe_of(variant),
+        question=str(variant.question),
+        recipe=str(variant.recipe),
         ratio=timed.times.ratio,
         ratio_ci=timed.times.ratio_ci,
         control=timed.times.control,

@@ -51,7 +51,7 @@ def errors_of(candidate: Candidate) -> Errors | None:
         reason=" ".join((candidate.rejected or verdict.reason).split()),
         max_abs_error=_known(verdict.max_abs_error),
         max_rel_error=_known(verdict.max_rel_error),
-        against="euler" if candidate.variant.stepper.family == "euler" else "exact",
+        against="euler" if candidate.variant.stepper.family == "fixed" else "exact",
         cases=verdict.cases,
         flips=len(verdict.flips),
         worst_case=verdict.worst_case,

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from ..evidence.records.code import digest
 
-SCHEMA: Literal[1] = 1
+SCHEMA: Literal[2] = 2
 
 Call = Literal["scalar", "batch"]
 Reason = Literal["compile", "timeout", "crash", "wrong result", "constraint"]
@@ -46,7 +46,7 @@ class Depends(_Part):
 class Subject(_Part):
     """The variant, as the registry knew it when the record was made."""
 
-    name: str  # full kernel name
+    name: str  # question and recipe
     target: str
     scene: str
     model: str
@@ -104,7 +104,7 @@ class Rejection(_Part):
 class Record(_Part):
     """What all records have. `id` is the hash of the rest, so merging stores is a union."""
 
-    schema_version: Literal[1] = SCHEMA
+    schema_version: Literal[2] = SCHEMA
     id: str = ""
     key: str  # the same question has the same key
     run: str  # id of the run that made it

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..choice.folder import checked_selection, file_of, write_folder
+from ..choice.folder import checked_selection, write_folder
 from ..choice.selection import Selected, Selection
-from ..registry.names import name_of
+from ..registry.question import DEFAULT_IMPACT
 from .finals import row_of
 from .record import Final
 from .space import variant_of_subject
@@ -16,16 +16,11 @@ from .space import variant_of_subject
 def selected(final: Final) -> Selected:
     """The choice of a final as an entry of selection.json."""
     row = row_of(final, final.chosen)
-    kernel = name_of(variant_of_subject(row.subject))
+    variant = variant_of_subject(row.subject)
     error = row.max_rel_error
     return Selected(
-        kernel=kernel,
-        file=file_of(kernel),
-        model=row.subject.model,
-        stepper=row.subject.stepper,
-        steps=row.subject.steps,
-        budget=row.subject.budget,
-        width=row.subject.width,
+        question=str(variant.question),
+        recipe=str(variant.recipe),
         chosen_by="timing",
         measured_on=row.subject.target,
         ratio_to_baseline=round(row.times.ratio, 4),
@@ -41,7 +36,7 @@ def write_choices(
 ) -> None:
     """Add the choices to a folder, or put them in the place of those it had for the same goals."""
     selection = checked_selection(folder) or Selection(
-        target=target, resolved=resolved, scene=scene, kernels=[]
+        impact=DEFAULT_IMPACT, target=target, resolved=resolved, scene=scene, kernels=[]
     )
     entries = [selected(final) for final in finals]
     selection = selection.model_copy(update={"resolved": resolved})

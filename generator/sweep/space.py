@@ -11,8 +11,17 @@ from random import Random
 from ..errors import InputError
 from ..registry.axes import AXES, Axis, axes_of
 from ..registry.names import name_of
+from ..registry.question import DEFAULT_IMPACT, Family, Goal, Question, Width
+from ..registry.question import Contest as Everywhere
 from ..registry.rules import Rule, broken_rule
-from ..registry.variant import Stepper, Variant, make_variant
+from ..registry.variant import (
+    Stepper,
+    Variant,
+    answered,
+    fixed_steps,
+    make_variant,
+    variant_with,
+)
 from ..steppers.exact.budgets import tableaus_for
 from ..targets.target import Target
 from .record import Call, Subject
@@ -33,8 +42,12 @@ class Contest:
     call: Call
 
     @property
-    def family(self) -> str:
-        return "euler" if self.steps is not None else "exact"
+    def goal(self) -> Goal:
+        return Goal(self.steps, self.budget)
+
+    @property
+    def family(self) -> Family:
+        return self.goal.family
 
     @property
     def name(self) -> str:
@@ -43,14 +56,13 @@ class Contest:
         return f"{self.target}/{self.scene}/{self.model}/{goal}/{self.call}"
 
     @property
-    def question(self) -> str:
-        """As records name it, without the target."""
-        goal = self.steppers()[0].goal
-        return f"{self.scene}/{self.model}/{goal}/{self.call}"
+    def everywhere(self) -> Everywhere:
+        """As records have it: on whatever CPU."""
+        return Everywhere(DEFAULT_IMPACT, self.scene, self.model, self.goal, self.call)
 
     def steppers(self) -> tuple[Stepper, ...]:
         if self.steps is not None:
-            return (Stepper("euler", steps=self.steps),)
+            return (fixed_steps(self.steps),)
         assert self.budget is not None
         return tuple(Stepper(name, budget=self.budget) for name in tableaus_for(self.budget))
 
@@ -120,7 +132,7 @@ class Space:
         """All that differ from a variant in one option, stepper or width; legal or not."""
         for stepper in self.contest.steppers():
             if stepper != variant.stepper:
-                yield replace(variant, stepper=stepper)
+                yield variant.with_stepper(stepper)
         for width in self.widths:
             if width != variant.width:
                 yield from self._in_width(variant, width)
@@ -169,13 +181,14 @@ class Space:
         self, stepper: Stepper, width: int, options: tuple[tuple[str, str], ...]
     ) -> Variant:
         c = self.contest
-        return Variant(c.target, c.scene, c.model, stepper, width, options)
+        asked = Question(DEFAULT_IMPACT, c.target, c.scene, c.model, c.goal, Width(width))
+        return variant_with(asked, stepper.name, dict(options))
 
 
 def in_width(variant: Variant, width: int) -> Variant:
     """The same options in another number of lanes; those that only one of them has: default."""
-    head = (variant.target, variant.scene, variant.model, variant.stepper)
-    return make_variant(*head, width, **dict(variant.options))
+    question = replace(variant.question, width=Width(width))
+    return answered(question, variant.recipe.stepper, dict(variant.options))
 
 
 def variant_of_subject(subject: Subject) -> Variant:

@@ -59,7 +59,8 @@ class ResultStore:
             except ValueError as error:
                 first = str(error).splitlines()[-1].strip()
                 raise InputError(
-                    f"{self.path}: record {identity}: {first}; expected schema {SCHEMA}"
+                    f"{self.path}: record {identity}: {first}; expected schema {SCHEMA}: "
+                    "name another --store, or remove it to begin anew"
                 ) from None
 
     def runs(self) -> list[Run]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from random import Random
 
 from ..choice.batches import in_lanes_of
@@ -15,7 +15,7 @@ from ..choice.candidates import (
     exact_candidates,
     fixed_step_candidates,
 )
-from ..choice.lookup import Goal, default_kernel
+from ..choice.lookup import default_kernel
 from ..choice.recorded import MORE
 from ..choice.workbench import Candidate
 from ..errors import InputError, KernelError
@@ -68,8 +68,8 @@ def held_options(contest: Contest, target: Target) -> dict[str, tuple[str, ...]]
     """
     if contest.call == "scalar":
         return {}
-    goal = Goal(steps=contest.steps, budget=contest.budget)
-    first, family = default_kernel(target, contest.scene, contest.model, goal), contest.family
+    family = contest.family
+    first = default_kernel(target, contest.scene, contest.model, contest.goal)
     alone = [axis.key for axis in axes_of(family) if axis.family == family and not axis.lanes]
     return {key: (first[key],) for key in alone}
 
@@ -118,7 +118,7 @@ def _baseline(plan: Plan, contest: Contest, lab: Lab) -> Candidate:
 
 def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
     """What was fastest on the CPU before, then the main job's candidates, -Ofast last."""
-    recorded = plan.timings.fastest(contest.question, plan.target.name, MORE)
+    recorded = plan.timings.fastest(contest.everywhere, plan.target.name, MORE)
     if contest.call == "batch":
         return _seeds_in_lanes(plan, contest, recorded)
     target, scene, model = plan.target, contest.scene, contest.model
@@ -136,9 +136,8 @@ def _seeds_in_lanes(plan: Plan, contest: Contest, recorded: Sequence[Variant]) -
 
     One of each stepper in turn.
     """
-    goal = Goal(steps=contest.steps, budget=contest.budget)
-    first = default_kernel(plan.target, contest.scene, contest.model, goal)
-    singles = [replace(first, stepper=stepper) for stepper in contest.steppers()]
+    first = default_kernel(plan.target, contest.scene, contest.model, contest.goal)
+    singles = [first.with_stepper(stepper) for stepper in contest.steppers()]
     fast = [in_lanes_of(one, first) for one in recorded]
     each = (batch_candidates(one, plan.target, plan.compilers) for one in singles)
     return fast + [v for some in itertools.zip_longest(*each) for v in some if v is not None]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ..lowering.isa import compiled_features
-from ..registry.names import symbol_of
+from ..registry.question import symbol_of
 from ..targets.host import KNOWN_CPUS, KnownCpu
 from ..targets.target import Target, find_target, targets
 from .request import VendorRequest

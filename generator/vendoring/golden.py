@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..choice.lookup import Goal
 from ..errors import KernelError
 from ..evidence.timing.bench_tool import BenchTool
 from ..evidence.verification.errors import (
@@ -27,6 +26,7 @@ from ..evidence.verification.euler import TOLERANCE
 from ..evidence.verification.reference import EULER_STEPS, load_reference
 from ..evidence.verification.scene_cases import cases_for_scene
 from ..impacts.ball_ball.scene import CASE_M1, PARAMETERS, Scene
+from ..registry.question import Goal
 
 _TRIED = 3  # cases of each kind, until one fits
 # The end of a fixed-step loop is a comparison: a case is taken only where inputs moved by rounding

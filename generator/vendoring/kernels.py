@@ -1,8 +1,8 @@
 """The kernel for each target: from a stored selection, else chosen now and stored.
 
 Timing never gives the same figures twice. A folder is therefore made from figures that were
-stored: those of generated/<target>/<scene>/, else those of an earlier choice of our own in the
-cache. So the same request gives the same bytes again.
+stored: those of a folder of generated/, else those of an earlier choice of our own in the cache.
+So the same request gives the same bytes again.
 """
 
 from __future__ import annotations
@@ -13,15 +13,14 @@ from typing import Any
 
 from ..choice.batches import batch_job
 from ..choice.choose import found_errors, selected
-from ..choice.folder import checked_selection, file_of
+from ..choice.folder import checked_selection
 from ..choice.job import STEPS, exact_job, fixed_step_job, verify
-from ..choice.lookup import Goal
-from ..choice.selection import FILE, Selected, Selection, batch_rank
+from ..choice.selection import FILE, Selected, Selection, batch_rank, place_of
 from ..choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Workbench
 from ..errors import KernelError
 from ..files import write_file
-from ..registry.names import name_of, variant_of
-from ..registry.variant import Stepper, Variant
+from ..registry.question import DEFAULT_IMPACT, Goal
+from ..registry.variant import Variant, fixed_steps
 from ..targets.host import Host
 from ..targets.target import Target, find_target
 from .request import VendorRequest
@@ -44,7 +43,7 @@ class Places:
     def folders(self, target: str, scene: str) -> tuple[Path, ...]:
         """Where a selection may lie, the one that counts first."""
         roots = (self.generated, self.cache)
-        return tuple(root / name / scene for root in roots for name in (target, "native"))
+        return tuple(place_of(r, name, scene) for r in roots for name in (target, "native"))
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ def _find(places: Places, request: VendorRequest, target: str, goal: Goal) -> li
         found = [
             entry
             for entry in selection.kernels
-            if (entry.model, entry.steps, entry.budget) == (request.model, goal.steps, goal.budget)
+            if (entry.model, entry.goal) == (request.model, goal)
         ]
         if any(entry.width == 1 for entry in found):
             return found
@@ -150,15 +149,13 @@ def _stepped(
 ) -> Selected:
     """The entry with the request's number of steps, and the error that it has then."""
     steps = request.goal.steps
-    variant = replace(variant_of(entry.kernel), stepper=Stepper("euler", steps=steps))
+    variant = entry.variant.with_stepper(fixed_steps(steps))
     update: dict[str, Any] = {
-        "kernel": name_of(variant),
-        "file": file_of(name_of(variant)),
-        "steps": steps,
+        "question": str(variant.question),
         "ties": [],
         **_errors_of(variant, request, target, bench, host),
     }
-    return entry.model_copy(update=update)
+    return Selected(**{**entry.model_dump(), **update})
 
 
 def _errors_of(
@@ -178,9 +175,9 @@ def _errors_of(
 
 
 def _store(places: Places, request: VendorRequest, target: str, made: TargetKernels) -> None:
-    folder = places.of(request).cache / target / request.scene
+    folder = place_of(places.of(request).cache, target, request.scene)
     selection = checked_selection(folder) or Selection(
-        target=target, resolved=target, scene=request.scene, kernels=[]
+        impact=DEFAULT_IMPACT, target=target, resolved=target, scene=request.scene, kernels=[]
     )
     entries = [entry for entry in (made.single, made.batch) if entry is not None]
     write_file(folder / FILE, selection.with_entries(entries).text(), parents=True)

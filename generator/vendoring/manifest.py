@@ -17,12 +17,12 @@ from pydantic import (
 )
 
 from .. import __version__
-from ..choice.lookup import Goal
 from ..choice.selection import Selected
 from ..choice.workbench import VERIFY_RANDOM, VERIFY_SEED
 from ..emission.banner import LICENCE
 from ..errors import InputError
 from ..impacts.ball_ball.scene import find_scene
+from ..registry.question import Goal
 from .kernels import TargetKernels
 from .request import VendorRequest, make_request
 

@@ -14,7 +14,6 @@ from ..emission.formatting import format_source
 from ..emission.kernel_source import Field, HeaderUse, Naming, emit, emit_header, fields_of
 from ..impacts.ball_ball.models import find_model
 from ..impacts.ball_ball.scene import Scene, find_scene
-from ..registry.names import variant_of
 from ..toolchain.flags import STRICT
 from .dispatch import dispatch_context, guard_of, is_mixed, unit_of
 from .golden import GoldenRow
@@ -186,7 +185,7 @@ def _unit(request: VendorRequest, unit: str, entry: Selected, dispatched: bool) 
         unit=unit if dispatched else "",
         enclosing=f"{request.prefix}_{unit}",
     )
-    return emit(variant_of(entry.kernel), naming, request.command, entry.grounds).source
+    return emit(entry.variant, naming, request.command, entry.grounds).source
 
 
 def _guarded(request: VendorRequest, target: str, text: str) -> str:
@@ -214,7 +213,7 @@ def _page(
     request: VendorRequest, template: str, comment: str, formatted_as: str = "", **values: object
 ) -> str:
     """A template filled, with the banner on top; `formatted_as`: a file name for clang-format."""
-    made_for = f"{request.prefix}, scene {request.scene}, model {request.model}"
+    made_for = {"package": f"{request.prefix}, scene {request.scene}, model {request.model}"}
     page = f"vendor/{template}.j2"
     text = bannered(page, made_for, request.command, [repr(request)], values, comment)
     return format_source(text, formatted_as) if formatted_as else text

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ..choice.lookup import Goal
 from ..errors import InputError
 from ..impacts.ball_ball.models import find_model
 from ..impacts.ball_ball.scene import Scene, find_scene
+from ..registry.question import Goal
 from ..steppers.exact.budgets import plan_for
 from ..targets.target import find_target
 

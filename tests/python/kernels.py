@@ -19,13 +19,13 @@ from generator.evidence.verification.worst_estimates import at_worst
 from generator.registry.axes import axes_of
 from generator.registry.names import name_of
 from generator.registry.rules import broken_rule
-from generator.registry.variant import Stepper, Variant, make_variant
+from generator.registry.variant import Variant, fixed_steps, make_variant
 from generator.targets.target import find_target
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.compilers import Compiler, find_compilers
 from generator.toolchain.flags import compile_flags
 
-EULER = Stepper("euler", steps=1000)
+EULER = fixed_steps(1000)
 WARNINGS = ("-Wall", "-Wextra", "-Werror")
 CACHE = ROOT / "build" / "test-kernels"
 
@@ -45,7 +45,7 @@ def is_legal(candidate: Variant) -> bool:
 def random_variants(seed: int, count: int, targets: tuple[str, ...]) -> list[Variant]:
     """Different legal variants, options, target and model drawn with a seed."""
     rng, found = random.Random(seed), {}
-    axes = [a for a in axes_of("euler") if a.key not in ("compiler", "flags")]
+    axes = [a for a in axes_of("fixed") if a.key not in ("compiler", "flags")]
     compilers = [c.code for c in find_compilers()]
     while len(found) < count:
         options = {a.key: rng.choice(a.codes()) for a in axes}
@@ -63,7 +63,7 @@ def neighbours(base: Variant) -> list[Variant]:
     return [
         base.with_options(**{key: code})
         for key, chosen in base.options
-        for code in next(a for a in axes_of("euler") if a.key == key).codes()
+        for code in next(a for a in axes_of("fixed") if a.key == key).codes()
         if code != chosen
     ]
 

@@ -35,7 +35,7 @@ from generator.evidence.verification.scene_cases import cases_for_scene
 from generator.evidence.verification.worst_estimates import PATTERNS, Pattern, at_worst
 from generator.impacts.ball_ball.scene import find_scene
 from generator.lowering.isa import estimates_in
-from generator.registry.names import name_of, variant_of
+from generator.registry.names import name_of
 from generator.registry.variant import Variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -125,7 +125,7 @@ def committed(only: str) -> Iterator[tuple[Variant, KernelSource]]:
     for folder in folders(ROOT / "generated"):
         selection = checked_selection(folder)
         for entry in selection.kernels if selection else ():
-            variant = variant_of(entry.kernel)
+            variant = entry.variant
             if only not in entry.kernel or not read_host().runs(find_target(variant.target)):
                 continue
             source = emit(variant)

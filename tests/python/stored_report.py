@@ -12,7 +12,7 @@ from generator.evidence.profiling.sections import SECTIONS
 from generator.evidence.timing.ratios import TimingResult
 from generator.evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
 from generator.registry.names import name_of
-from generator.registry.variant import Stepper, Variant, make_variant
+from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
 from generator.report.experiments.subjects import BASELINE, BEST, EULER, role_of_budget
 from generator.report.findings import (
     CallPoint,
@@ -57,7 +57,7 @@ class MadeStore:
 
 
 def ratio_of(variant: Variant) -> float:
-    ratio = 1.0 if variant.stepper.family == "euler" else 0.02
+    ratio = 1.0 if variant.stepper.family == "fixed" else 0.02
     for _, code in variant.options:
         ratio *= EFFECTS.get(code, 1.0)
     return ratio
@@ -74,7 +74,7 @@ def _variants(contest: Contest, count: int, random: Random) -> list[Variant]:
     space = Space(contest, find_target(contest.target), compilers, (1,), {})
     rows = list(space.everything()) if contest.steps is None else []
     if contest.steps is not None:
-        start = make_variant(contest.target, SCENE, MODEL, Stepper("euler", steps=1000))
+        start = make_variant(contest.target, SCENE, MODEL, fixed_steps(1000))
         start = start.with_options(flags="strict")
         found = {name_of(start): start}
         while len(found) < count:  # neighbours, so that pairs differ in one option alone
@@ -292,7 +292,7 @@ def _kernel(role: str, variant: Variant, random: Random) -> KernelFindings:
 def make_findings(target: str, seed: int = 1) -> Findings:
     """Measurements of the report's kernels and of three chosen ones."""
     random = Random(seed)
-    euler = Stepper("euler", steps=1000)
+    euler = fixed_steps(1000)
 
     def made(stepper: Stepper, **options: str) -> Variant:
         return make_variant(target, SCENE, MODEL, stepper, **options)

@@ -19,13 +19,13 @@ DEPENDS = Depends(
 )
 
 
-def subject(name: str = "zen3.any.pooltool.euler.n1000.x1", **options: str) -> Subject:
+def subject(name: str = "ball-ball/zen3/any/pooltool-n1000-x1 fixed", **options: str) -> Subject:
     return Subject(
         name=name,
         target="zen3",
         scene="any",
         model="pooltool",
-        stepper="euler",
+        stepper="fixed",
         steps=1000,
         budget=None,
         width=1,

@@ -15,11 +15,11 @@ import generator.targets.target as target_room
 from generator.emission.kernel_source import emit
 from generator.registry.names import name_of, variant_of
 from generator.registry.presets import Preset, find_preset
-from generator.registry.variant import Stepper, make_variant
+from generator.registry.variant import fixed_steps, make_variant
 from generator.targets.target import find_target, targets
 
 GUIDES = sorted((ROOT / "docs").glob("adding-a-*.md"))
-STEPPER = Stepper("euler", steps=1000)
+STEPPER = fixed_steps(1000)
 
 
 @pytest.mark.parametrize("guide", GUIDES, ids=lambda path: path.stem)

@@ -9,7 +9,7 @@ from generator.errors import KernelError
 from generator.evidence.verification.euler import euler_verdict
 from generator.evidence.verification.reference import load_reference
 from generator.registry.names import name_of
-from generator.registry.variant import Stepper, make_variant
+from generator.registry.variant import fixed_steps, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.build import BuildJob, build_many
@@ -35,7 +35,7 @@ KERNELS = (
 def _variant(target, width, steps, options):
     if not read_host().runs(find_target(target)):
         pytest.skip(f"{target} code does not run on this CPU")
-    stepper = Stepper("euler", steps=steps)
+    stepper = fixed_steps(steps)
     return make_variant(target, "any", MODEL, stepper, width, **{**SCALAR, **options})
 
 

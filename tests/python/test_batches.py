@@ -14,7 +14,7 @@ from generator.evidence.verification.reference import MODELS, load_reference
 from generator.evidence.verification.worst_estimates import PATTERNS
 from generator.registry.roots import allows_floats
 from generator.registry.rules import broken_rule
-from generator.registry.variant import Stepper, make_variant
+from generator.registry.variant import Stepper, fixed_steps, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 
@@ -61,7 +61,7 @@ EQUAL_TABLE = (*PARAMETERS[:3], PARAMETERS[2], *PARAMETERS[4:])  # as `arcade` h
 
 def _variant(target, width, model, steps, options):
     fma = "fma" if find_target(target).has("fma") else "nofma"
-    stepper = Stepper("euler", steps=steps)
+    stepper = fixed_steps(steps)
     chosen = {**SCALAR, "fma": fma, **options}
     return make_variant(target, "any", model, stepper, width, **chosen)
 

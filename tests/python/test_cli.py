@@ -20,8 +20,8 @@ from kernels import ROOT, bench_tool, variant
 import generator.api.session as session
 from generator.api import read_cases
 from generator.choice.candidates import baseline, fixed_step_candidates
-from generator.choice.folder import file_of, write_folder
-from generator.choice.selection import Selected, Selection
+from generator.choice.folder import write_folder
+from generator.choice.selection import Selected, Selection, read_selection
 from generator.cli.main import gen
 from generator.errors import InputError
 from generator.evidence.verification.errors import OUTCOME_COLUMNS, STICKS
@@ -38,9 +38,6 @@ from generator.registry.variant import Variant
 from generator.targets.target import find_target, load_rows, targets
 from generator.toolchain.compilers import find_compilers
 
-FIXED_STEP = "zen3.any.pooltool.euler.n1000.x1." + ".".join(
-    ("reduced.named.factored.chain.ahead", "early.fma.chosen.onestage.scalar")
-)
 INPUTS = FOLDER / "inputs.csv"
 
 
@@ -154,7 +151,7 @@ def test_collide_batch_goes_in_lanes_and_gives_what_single_calls_give(
         out = tmp_path / f"{name}.csv"
         result = call("collide", *options, *batch, "--out", out)
         assert result.exit_code == 0, result.stderr
-        kernel = re.search(r" by (\S+); written", result.stdout)
+        kernel = re.search(r" by (.+); written", result.stdout)
         told[name], got[name] = variant_of(kernel[1]), outcomes(out)[1]
     assert told["single"].width == 1 and told["batch"].width > 1
     if target == "native":
@@ -186,8 +183,10 @@ def test_collide_batch_takes_the_stored_choice(tmp_path, lines) -> None:
     x2 = variant("x86-64-v3", **single).in_lanes(2, lane_root="inv", interleave="i2")
     x4 = variant("x86-64-v3", **single).in_lanes(4, lane_root="cubic", interleave="i4")
     entries = [stored(v, ratio) for v, ratio in ((x2, 0.2), (x4, 0.1))]
-    folder = tmp_path / "generated" / "x86-64-v3" / "any"
-    selection = Selection(target="x86-64-v3", resolved="x86-64-v3", scene="any", kernels=entries)
+    folder = tmp_path / "generated" / "ball-ball" / "x86-64-v3" / "any"
+    selection = Selection(
+        impact="ball-ball", target="x86-64-v3", resolved="x86-64-v3", scene="any", kernels=entries
+    )
     write_folder(folder, selection)
     options = ("--model", "pooltool", "--steps", 1000, "--target", "x86-64-v3", "--batch")
     places = ("--cases", written(tmp_path, lines), "--out", tmp_path / "out.csv")
@@ -198,13 +197,8 @@ def test_collide_batch_takes_the_stored_choice(tmp_path, lines) -> None:
 
 def stored(kernel: Variant, ratio: float) -> Selected:
     return Selected(
-        kernel=name_of(kernel),
-        file=file_of(name_of(kernel)),
-        model=kernel.model,
-        stepper="euler",
-        steps=kernel.stepper.steps,
-        budget=None,
-        width=kernel.width,
+        question=str(kernel.question),
+        recipe=str(kernel.recipe),
         chosen_by="timing",
         measured_on="x86-64-v3",
         ratio_to_baseline=ratio,
@@ -324,9 +318,9 @@ def test_help_and_lists_load_no_library_that_is_slow_to_load() -> None:
         (("frobnicate",), ("no command 'frobnicate'; there are bench, challenge", "worker")),
         (("list", "moons"), ("moons", "targets")),
         (("explain", "paper-worst"), ("paper-worst", "paper-best")),
-        (("explain", "zen3.any.pooltool"), ("no kernel name",)),
-        (("challenge", "zen3.any.pooltool"), ("no kernel name",)),
-        (("challenge", f"generated/zen3/any/{FIXED_STEP}.cpp"), ("has fixed steps",)),
+        (("explain", "zen3.any.pooltool"), ("no preset or kernel",)),
+        (("challenge", "zen3.any.pooltool"), ("no preset or kernel",)),
+        (("challenge", "generated/ball-ball/zen3/any/pooltool-n1000-x1.cpp"), ("has fixed steps",)),
         (("bench", "--target", "zen9", "--json", "x.json"), ("zen9",)),
     ],
 )
@@ -348,22 +342,42 @@ def test_explain_prints_derivation_options_and_counts() -> None:
 
 
 def test_explain_takes_the_names_that_kernels_and_files_have() -> None:
-    name = "zen3.any.bottom_slip.dp54.e1m06.x1.est1.fma"  # carom_kernel() of that text
-    full = f"{name}.gcc.strict"
-    for each in (name, full, f"{name}.cpp", f"generated/zen3/any/{name}.cpp"):
-        result = call("explain", each)
+    question, recipe = "ball-ball/zen3/any/bottom_slip-e1m06-x1", "dp54 root=est1 fma=fma"
+    told = f"{question} {recipe}"  # what carom_kernel() of that text tells
+    chosen = selected_recipe(question)
+    named = [(told,), (question, recipe), told.split(), (told, "flags=strict")]
+    named = [(words, told) for words in named]
+    files = (question, f"generated/{question}.cpp", str(ROOT / "generated" / f"{question}.cpp"))
+    for words, name in [*named, *(((file,), f"{question} {chosen}") for file in files)]:
+        result = call("explain", *words)
         assert result.exit_code == 0, result.output
-        assert result.stdout.splitlines()[0] == full
+        assert result.stdout.splitlines()[0] == name
+
+
+def selected_recipe(question: str) -> str:
+    selection = read_selection((ROOT / "generated" / question).parent)
+    assert selection is not None
+    [recipe] = [entry.recipe for entry in selection.kernels if entry.question == question]
+    return recipe
+
+
+QUESTION = "ball-ball/zen3/any/pooltool-e1m06-x1"
 
 
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        ((), ("name a kernel", "--header")),
-        (("zen3.any.pooltool.dp54.e1m06.x1.est2.fma", "--header", "any"), ("--header",)),
-        (("zen3.any.pooltool.rk4.e1m06.x1.est2.fma",), ("rk4", "no stepper", "dop853")),
-        (("zen3.any.pooltool.dp54.e1m06.x1.est0.fma",), ("roots-within-budget",)),
-        (("zen3.any.pooltool.dp54.e1m06.x1.est2",), ("choices", "root.fma.compiler.flags")),
+        ((), ("name a question", "--header")),
+        ((QUESTION, "dp54", "--header", "any"), ("--header",)),
+        ((QUESTION, "rk4"), ("rk4", "no stepper", "dop853")),
+        ((QUESTION, "dp54", "root=est0", "fma=fma"), ("roots-within-budget",)),
+        ((QUESTION, "dp54", "simd=balls"), ("no option 'simd'", "root, fma, compiler, flags")),
+        ((QUESTION.replace("ball-ball", "ball-cue"), "dp54"), ("ball-cue", "there are ball-ball")),
+        ((QUESTION.replace("zen3", "zen9"), "dp54"), ("zen9", "no such target", "zen4")),
+        ((QUESTION.replace("any", "moon"), "dp54"), ("moon", "no such scene", "pool")),
+        ((QUESTION.replace("pooltool", "glue"), "dp54"), ("glue", "no such model", "mathavan2014")),
+        ((QUESTION.replace("e1m06", "e3m07"),), ("none was chosen", "recipe", "./gen --target")),
+        (("pooltool",), ("no question", "IMPACT/TARGET/SCENE/MODEL-GOAL-WIDTH")),
         (("--header", "moon"), ("moon", "pool")),
         (("--header", "any", "--out", "/no/carom.h"), ("/no/carom.h", "no folder")),
     ],
@@ -391,6 +405,12 @@ def test_gen_alone_prints_the_help() -> None:
     assert result.exit_code == 0 and result.stdout == call("--help").stdout
 
 
+KERNEL_TEXTS = (
+    *("name", "impact", "question", "recipe", "target", "scene", "model", "stepper", "compiler"),
+    "flags",
+)
+
+
 def test_bench_json_is_as_documented(tmp_path) -> None:
     path = tmp_path / "bench.json"
     options = ("--target", "x86-64-v2", "--scene", "any", "--model", "pooltool", "--seconds", 0.5)
@@ -403,7 +423,7 @@ def test_bench_json_is_as_documented(tmp_path) -> None:
     each = "of fixed steps and of 1e-6 one for single calls and one for batches"
     assert sorted(chosen_in_lanes) == [False, False, True, True], each
     types = {
-        **dict.fromkeys(("name", "target", "scene", "model", "stepper", "compiler", "flags"), str),
+        **dict.fromkeys(KERNEL_TEXTS, str),
         "width": int,
         **dict.fromkeys(("ns_per_collision", "ratio_to_baseline", "max_rel_error"), float),
         "ratio_ci": list,
@@ -419,6 +439,9 @@ def test_bench_json_is_as_documented(tmp_path) -> None:
         exact = kernel["budget"] is not None
         assert isinstance(kernel["steps"], int) is not exact
         assert kernel["error_against"] == ("exact" if exact else "euler_n1000")
+        assert (kernel["stepper"] == "euler") is not exact
+        assert kernel["name"] == f"{kernel['question']} {kernel['recipe']}"
+        assert kernel["question"].startswith(f"{kernel['impact']}/x86-64-v2/any/pooltool-")
 
 
 @pytest.mark.parametrize("target", targets())
@@ -471,14 +494,14 @@ def test_broken_targets_are_named(text) -> None:
 @pytest.fixture
 def copy(tmp_path) -> Path:
     """A folder of its own with one target's scene."""
-    place = tmp_path / "generated" / "zen3" / "any"
-    shutil.copytree(ROOT / "generated" / "zen3" / "any", place)
+    place = tmp_path / "generated" / "ball-ball" / "zen3" / "any"
+    shutil.copytree(ROOT / "generated" / "ball-ball" / "zen3" / "any", place)
     assert call("--update", "--out", tmp_path / "generated").exit_code == 0
     return place
 
 
 def test_check_finds_what_is_not_fresh_and_update_cures_it(copy) -> None:
-    root = copy.parents[1]
+    root = copy.parents[2]
     before = {p.name: p.read_bytes() for p in copy.iterdir()}
     assert call("--check", "--out", root).exit_code == 0
     kernels = sorted(copy.glob("*.cpp"))
@@ -499,7 +522,7 @@ def test_check_finds_what_is_not_fresh_and_update_cures_it(copy) -> None:
 
 
 def test_check_sees_strays_beside_the_folders(copy) -> None:
-    root = copy.parents[1]
+    root = copy.parents[2]
     (root / "notes.txt").write_text("x", encoding="utf-8")
     (copy.parent / "carrom").mkdir()
     (copy.parent / "carrom" / "kernel.cpp").write_text("x", encoding="utf-8")
@@ -515,8 +538,8 @@ def test_check_sees_strays_beside_the_folders(copy) -> None:
     [
         lambda t: t[:-20],
         lambda t: t.replace('"kernels"', '"kernel"'),
-        lambda t: t.replace("euler.n1000", "euler.many", 1),
-        lambda t: t.replace(".nofma.", ".somefma.").replace(".fma.", ".somefma."),
+        lambda t: t.replace("-n1000-", "-many-", 1),
+        lambda t: t.replace("fma=fma", "fma=somefma"),
         lambda t: t.replace('"target": "zen3"', '"target": "zen9"'),
         lambda t: "[]",
     ],
@@ -524,7 +547,7 @@ def test_check_sees_strays_beside_the_folders(copy) -> None:
 def test_a_broken_selection_is_one_line(change, copy) -> None:
     path = copy / "selection.json"
     path.write_text(change(path.read_text("utf-8")), encoding="utf-8")
-    root = copy.parents[1]
+    root = copy.parents[2]
     refused(call("--check", "--out", root), "selection.json")
     refused(call("--update", "--out", root), "selection.json")
     if '"zen9"' not in path.read_text("utf-8"):

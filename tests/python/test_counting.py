@@ -17,14 +17,14 @@ from generator.evidence.verification.reference import load_reference
 from generator.evidence.verification.scene_cases import cases_for_scene
 from generator.impacts.ball_ball.scene import find_scene
 from generator.lowering.counts import OperationCounts
-from generator.registry.names import name_of, variant_of
+from generator.registry.names import name_of
 from generator.registry.presets import PRESETS, find_preset
-from generator.registry.variant import Stepper, Variant, make_variant
+from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
 
-EULER = Stepper("euler", steps=1000)
+EULER = fixed_steps(1000)
 ROOT = Path(__file__).parents[2]
 COUNTED = tuple(kind for kind in KINDS if kind not in ("call", "rare"))
 _STATED = re.compile(r"Operations (?:an iteration|a step): (.*?) \(\d+ flops\)", re.S)
@@ -103,8 +103,8 @@ def test_committed_kernels_take_the_operations_that_their_files_state(tmp_path: 
         selection = read_selection(folder)
         assert selection is not None
         for entry in selection.kernels:
-            if entry.width == 1 and entry.stepper == "euler" and selection.scene == "any":
-                variants.append(variant_of(entry.kernel))
+            if entry.width == 1 and entry.goal.steps and selection.scene == "any":
+                variants.append(entry.variant)
                 sources.append((folder / entry.file).read_text("utf-8"))
     _compare(variants, tmp_path, sources)
 

@@ -7,15 +7,15 @@ import re
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 from kernels import ROOT, compile_alone, random_variants, variant
 
+from generator import __version__
 from generator.choice.folder import differences, folders
-from generator.choice.lookup import Goal, default_kernel
+from generator.choice.lookup import default_kernel
 from generator.choice.selection import read_selection
 from generator.emission.banner import _generator, inputs_hash
 from generator.emission.environment import environment, templates_folder
@@ -25,14 +25,15 @@ from generator.evidence.verification.reference import MODELS
 from generator.impacts.ball_ball.scene import find_scene, scenes
 from generator.registry.lane_numbers import precision_of
 from generator.registry.lanes import widths_of
-from generator.registry.names import name_of, variant_named, variant_of
+from generator.registry.names import name_of, variant_named
 from generator.registry.presets import find_preset
+from generator.registry.question import Goal
 from generator.registry.rules import require_legal
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
 
 COMPILERS = [c.path for c in find_compilers()]
-GENERATED = sorted((ROOT / "generated").glob("[!n]*/*/*.cpp"))
+GENERATED = sorted((ROOT / "generated").glob("*/[!n]*/*/*.cpp"))
 COMMITTED = [f for f in folders(ROOT / "generated") if f.parent.name != "native"]
 TARGETS = sorted({folder.parent.name for folder in COMMITTED})
 OTHER_SCENES = [name for name in scenes() if name != "any"]
@@ -44,7 +45,7 @@ from generator.emission.banner import _generator, inputs_hash
 from generator.emission.environment import environment, templates_folder
 from generator.emission.kernel_source import emit
 from generator.registry.names import variant_of
-for name in sys.stdin.read().split():
+for name in sys.stdin.read().splitlines():
     source = emit(variant_of(name))
     sys.stdout.write(source.header + source.source + source.probe)
 """
@@ -88,7 +89,7 @@ def test_fma_is_where_the_axis_says(compiler: str, options: dict[str, str], tmp_
 
 
 def test_generated_folder_is_complete() -> None:
-    made = {path.relative_to(ROOT / "generated").parts[:2] for path in GENERATED}
+    made = {path.relative_to(ROOT / "generated").parts[1:3] for path in GENERATED}
     wanted = ("zen3", "x86-64-v2", "x86-64-v3", "x86-64-v4")
     assert set(wanted) <= set(TARGETS)
     assert {(target, "any") for target in wanted} <= made
@@ -101,13 +102,13 @@ def test_generated_kernels_have_lanes_for_their_batches(folder: Path) -> None:
     selection = read_selection(folder)
     assert selection is not None
     target = find_target(selection.resolved)
-    goals = [(model, {"steps": 1000}) for model in MODELS]
-    goals += [(model, {"budget": 1e-6}) for model in MODELS]
+    goals = [(model, Goal(steps=1000)) for model in MODELS]
+    goals += [(model, Goal(budget=1e-6)) for model in MODELS]
     for model, goal in goals:
-        single, batch = selection.find(model, **goal), selection.find_batch(model, **goal)
+        single, batch = selection.find(model, goal), selection.find(model, goal, batch=True)
         assert single is not None and batch is not None, (model, goal)
         print(f"{model}, {goal}: {batch.kernel}")
-        numbers = precision_of(variant_of(batch.kernel))
+        numbers = precision_of(batch.variant)
         assert batch.width in widths_of(target, numbers)[1:] and single.width == 1
         assert single.evidence and batch.evidence, "what the choice rests on"
 
@@ -132,7 +133,7 @@ def committed(target: str) -> dict[Kind, list[Path]]:
         selection = read_selection(folder)
         assert selection is not None
         for entry in selection.kernels if folder.parent.name == target else ():
-            kind = Kind(entry.budget is None, entry.width > 1)
+            kind = Kind(entry.goal.budget is None, entry.width > 1)
             found.setdefault(kind, []).append(folder / entry.file)
     return dict(sorted(found.items()))
 
@@ -170,13 +171,13 @@ def test_kernels_of_other_scenes_compile_alone(scene: str, tmp_path: Path) -> No
     """What is chosen for scene any, where the scene takes it; compilers take turns."""
     turn, made = OTHER_SCENES.index(scene), 0
     target = find_target(TARGETS[turn % len(TARGETS)])
-    selection = read_selection(ROOT / "generated" / target.name / "any")
+    selection = read_selection(ROOT / "generated" / "ball-ball" / target.name / "any")
     assert selection is not None
     model = find_scene(scene).model
     goal = Goal(budget=find_scene(scene).max_error)
-    variants = [variant_of(entry.kernel) for entry in selection.kernels if entry.model == model]
+    variants = [entry.variant for entry in selection.kernels if entry.model == model]
     for each in (default_kernel(target, scene, model, goal), *variants):
-        each = replace(each, scene=scene)
+        each = each.moved(scene=scene)
         try:
             require_legal(each, target)
             source = emit(each)
@@ -232,9 +233,10 @@ def test_same_bytes_in_another_process() -> None:
     assert len(texts[0]) > 1000 * len(made)
 
 
-EXACT = "zen3.any.mathavan2014.dp54.e1m06.x1.est1.fma"
-FIXED = "zen3.any.pooltool." + ".".join(
-    ("euler.n1000.x1.reduced.named.factored.chain.ahead", "early.fma.chosen.onestage.scalar")
+EXACT = "ball-ball/zen3/any/mathavan2014-e1m06-x1 dp54 root=est1 fma=fma"
+FIXED = (
+    "ball-ball/zen3/any/pooltool-n1000-x1 fixed state=reduced reuse=factored order=chain "
+    "rsqrt=ahead roots=early fma=fma branch=chosen"
 )
 
 
@@ -254,21 +256,32 @@ def inputs_of(text: str) -> str:
 @pytest.mark.parametrize("name", [EXACT, FIXED])
 def test_banner_names_its_makers_and_nothing_of_this_machine(name: str) -> None:
     source = emit(variant_named(name))
-    for text, template in ((source.source, "kernel.cpp.j2"), (source.header, "carom.h.j2")):
+    question, recipe = name.split(" ", 1)
+    rows = (f"// question: {question}\n", f"// recipe:   {recipe}\n", "// counts:   ")
+    for text, own in ((source.source, rows), (source.header, (" * scene:    any\n",))):
         head = text.split("#", 1)[0]
-        for wanted in ("Do not edit", "MIT-0", f"templates/{template}", "./gen emit", "sha256"):
+        for wanted in (
+            f"by carom {__version__}. Do not edit",
+            "MIT-0",
+            "./gen emit",
+            "sha256",
+            *own,
+        ):
             assert wanted in head
         assert not re.search(r"20[2-9]\d-|/home|/root|/work|/tmp", head)
         assert os.uname().nodename not in head
-    assert name in source.source
+    assert name in "".join(re.findall(r'"([^"]*)"', source.source.split("carom_kernel(void)")[1]))
 
 
 def test_the_command_of_a_banner_makes_the_file_again(tmp_path: Path) -> None:
     """As a shell runs it: the bytes that the main job writes, on standard output or in a file."""
-    selection, out = read_selection(ROOT / "generated" / "zen3" / "any"), tmp_path / "again"
+    selection, out = (
+        read_selection(ROOT / "generated" / "ball-ball" / "zen3" / "any"),
+        tmp_path / "again",
+    )
     assert selection is not None
-    entry = next(entry for entry in selection.kernels if entry.stepper != "euler")
-    source = emit(variant_of(entry.kernel), grounds=entry.grounds)
+    entry = next(entry for entry in selection.kernels if entry.goal.budget)
+    source = emit(entry.variant, grounds=entry.grounds)
     for text, more in ((source.source, []), (source.header, ["--out", str(out)])):
         done = subprocess.run(
             [sys.executable, "-P", "-m", "generator", *remake_of(text), *more],

@@ -150,12 +150,13 @@ def void_operations(source: str) -> list[str]:
 
 NOUGHTS = ("0.0", "real(0.0)", "-0.0", "real(-0.0)")
 RECIPES = (
-    "dp54.e1m06.x1.est2.fma",
-    "dp54.e1m06.x4.est2.fma.est2.s2.own",
-    "dp54.e1m06.x8.est2.fma.est2.s2.float",
-    "dop853.e1m09.x1.inv.fma",
-    "ss43.e1m03.x1.inv.nofma",
-    "euler.n1000.x1.reduced.named.precompute.chain.est1.early.fma.chosen.onestage.scalar",
+    "e1m06-x1 dp54 root=est2 fma=fma",
+    "e1m06-x4 dp54 root=est2 fma=fma lane_root=est2 interleave=s2",
+    "e1m06-x8f dp54 root=est2 fma=fma lane_root=est2 interleave=s2",
+    "e1m09-x1 dop853 fma=fma",
+    "e1m03-x1 ss43",
+    "n1000-x1 fixed state=reduced reuse=precompute order=chain rsqrt=est1 roots=early fma=fma "
+    "branch=chosen",
 )
 HEAVY = 'name = "heavy"\ntext = "of a test"\nmass_ratio = 2.5'
 
@@ -172,7 +173,7 @@ def test_no_kernel_holds_an_operation_that_does_nothing(
     monkeypatch.setattr(scene_module, "scenes", lambda: known)
     legal: list[KernelSource] = []
     for recipe in RECIPES:
-        made = variant_of(f"zen3.{scene}.{model}.{recipe}.gcc.strict")
+        made = variant_of(f"ball-ball/zen3/{scene}/{model}-{recipe}")
         with suppress(InputError, ValueError):
             legal.append(emit(made))
     found = [each for kernel in legal for each in void_operations(kernel.source)]
@@ -185,7 +186,7 @@ def test_constants_are_the_decimals_that_they_are_derived_from() -> None:
     assert decimal_product(0.21, 1e-6) == "2.1e-07"
     assert decimal_product(0.42, 1e-6) == "4.2e-07"
     assert decimal_product(1.1, 1.5) == "1.65"
-    source = emit(variant_of("zen3.any.pooltool.dp54.e1m06.x1.est2.fma.gcc.strict")).source
+    source = emit(variant_of("ball-ball/zen3/any/pooltool-e1m06-x1 dp54 root=est2 fma=fma")).source
     long_winded = re.findall(r"\b\d\.\d*?(?:00000|99999)\d+(?:e-?\d+)?\b", source)
     print(f"constants such as 2.0999999999999997e-07: {long_winded}")
     assert not long_winded

@@ -15,12 +15,12 @@ from generator.impacts.ball_ball.scene import parse_scene
 from generator.registry.names import name_of, variant_of
 from generator.targets.target import load_rows
 
-SCENE = (ROOT / "generator" / "scenes" / "pool.toml").read_text("utf-8")
+SCENE = (ROOT / "generator" / "impacts" / "ball_ball" / "scenes" / "pool.toml").read_text("utf-8")
 TARGETS = (ROOT / "generator" / "targets" / "targets.toml").read_text("utf-8")
 CASES = "\n".join(
     (ROOT / "tests" / "data" / "reference" / "inputs.csv").read_text("utf-8").splitlines()[:3]
 )
-NAME = "zen3.any.pooltool.euler.n1000.x1"
+NAME = "ball-ball/zen3/any/pooltool-n1000-x1 fixed fma=fma"
 THOROUGH = settings(
     max_examples=300,
     derandomize=True,

@@ -15,7 +15,7 @@ from generator.evidence.profiling.passes import steps_a_collision
 from generator.evidence.profiling.sampling import sample
 from generator.evidence.profiling.sections import SECTIONS, sections_of
 from generator.registry.presets import find_preset
-from generator.registry.variant import Stepper, Variant, make_variant
+from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.build import build_library
@@ -23,7 +23,7 @@ from generator.toolchain.flags import compile_flags
 from generator.toolchain.loops import marked_loops
 from generator.toolchain.mca import analyse, assembly_of, find_mca
 
-EULER = Stepper("euler", steps=1000)
+EULER = fixed_steps(1000)
 
 
 def _kernel(preset: str, target: str = "x86-64-v2") -> tuple[Variant, KernelSource]:

@@ -22,9 +22,10 @@ from generator.choice.workbench import Candidate
 from generator.cli.main import gen
 from generator.evidence.records.evidence import Found, key_of_kernel, read_timings, timings_of, told
 from generator.evidence.records.files import read_records, timings_path, union, write_records
-from generator.evidence.records.recipe import contest_of, recipe_of, variant_of_recipe
 from generator.evidence.verification.verdict import Verdict
-from generator.registry.variant import Stepper, Variant, make_variant
+from generator.registry.names import name_of, variant_from, variant_of
+from generator.registry.question import Contest, Goal
+from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
 from generator.report.sections.calls import cpu_costs
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -32,6 +33,7 @@ from generator.toolchain.replay import Modelled
 
 ROOT = Path(__file__).parents[2]
 CODES = ("gcc", "clang", "clangold")
+POOLTOOL = Contest("ball-ball", "any", "pooltool", Goal(steps=1000), "scalar")
 
 
 def candidates(target: str, model: str = "pooltool") -> list[Variant]:
@@ -45,18 +47,17 @@ def candidates(target: str, model: str = "pooltool") -> list[Variant]:
 @pytest.mark.parametrize("target", ["x86-64-v2", "zen3", "zen4"])
 def test_a_recipe_is_read_back_as_the_variant_it_was_written_of(target: str) -> None:
     for variant in candidates(target):
-        contest = contest_of(variant, variant.width > 1)
-        assert variant_of_recipe(contest, recipe_of(variant)) == variant
+        assert variant_from(variant.question, str(variant.recipe)) == variant
 
 
 def test_what_only_single_calls_see_tells_nothing_of_a_batch() -> None:
     [wide, *_] = [v for v in candidates("zen3") if v.width > 1 and v.stepper.name == "dp54"]
     other = wide.with_options(root="est2")
-    assert recipe_of(wide) != recipe_of(other)
-    assert key_of_kernel(wide, True) == key_of_kernel(other, True)
-    assert key_of_kernel(wide, False) != key_of_kernel(other, False)
+    assert wide.recipe != other.recipe
+    assert key_of_kernel(wide) == key_of_kernel(other)
+    assert key_of_kernel(wide.in_lanes(1)) != key_of_kernel(other.in_lanes(1))
     lanes = wide.with_options(interleave="i2" if wide["interleave"] != "i2" else "i1")
-    assert key_of_kernel(wide, True) != key_of_kernel(lanes, True)
+    assert key_of_kernel(wide) != key_of_kernel(lanes)
 
 
 def test_the_committed_records_read_and_stand_in_the_order_they_are_written_in(
@@ -65,6 +66,7 @@ def test_the_committed_records_read_and_stand_in_the_order_they_are_written_in(
     for path in sorted((ROOT / "timings").glob("*.jsonl")):
         file = read_records(path)
         assert file.damaged == ()
+        assert all(name_of(variant_of(r.kernel)) == r.kernel for r in file.records)
         print(f"{path.name}: {len(file.records)} records")
         copy = timings_path(tmp_path, path.stem)
         write_records(copy, reversed(file.records))
@@ -74,14 +76,14 @@ def test_the_committed_records_read_and_stand_in_the_order_they_are_written_in(
 def test_on_a_zen_3_the_recorded_winner_of_pooltool_takes_at_most_037_of_paper_initial() -> None:
     timings = read_timings([ROOT])
     assert timings.damaged == ()
-    least = timings.contest("zen3", "any/pooltool/n1000/scalar")
-    winners = timings.winners("zen3", "any/pooltool/n1000/scalar")
+    least = timings.contest("zen3", POOLTOOL)
+    winners = timings.winners("zen3", POOLTOOL)
     print(winners[0], least[winners[0]].ratio)
     assert least[winners[0]].ratio <= 0.37
-    assert all("rsqrt=ahead" in winner for winner in winners)
-    won = variant_of_recipe("zen3/any/pooltool/n1000/scalar", winners[0])
-    assert timings.wins(won, False) == 1
-    assert timings.wins(won.with_options(rsqrt="prev"), False) == 0
+    assert all(winner["rsqrt"] == "ahead" for winner in winners)
+    won = winners[0].moved(target="zen3")
+    assert timings.wins(won) == 1
+    assert timings.wins(won.with_options(rsqrt="prev")) == 0
 
 
 def test_a_union_is_the_same_in_either_order_and_done_twice_the_same() -> None:
@@ -110,7 +112,7 @@ PASSED = Verdict(True, "", 1e-9, 1e-9, 10)
 def candidate(
     rsqrt: str, ratio: float | None = None, cycles: float | None = None, changed: str = ""
 ) -> Candidate:
-    stepper = Stepper("euler", steps=1000)
+    stepper = fixed_steps(1000)
     variant = make_variant("zen3", "any", "pooltool", stepper, fma="fma", rsqrt=rsqrt)
     made = Candidate(variant, None, None, (), verdict=PASSED)  # type: ignore[arg-type]
     if ratio is not None:
@@ -154,27 +156,27 @@ def test_records_of_earlier_code_are_used_and_counted_with_what_changed() -> Non
 
 
 def test_a_record_of_the_code_as_it_is_goes_before_one_of_earlier_code() -> None:
-    variant = variant_of_recipe(BASE.contest, BASE.recipe)
+    variant = variant_of(BASE.kernel)
     narrow = BASE.model_copy(update={"ratio_ci": (BASE.ratio, BASE.ratio)})
     now = BASE.basis.model_copy(update={"source": "0" * 16, "compiler": "another"})
     own = BASE.model_copy(update={"basis": now})
-    batch = BASE.contest.endswith("batch")
-    earlier = timings_of([narrow]).find("zen3", variant, batch, now)
+    earlier = timings_of([narrow]).find("zen3", variant, now)
     assert earlier is not None and earlier.changed == ("kernel text", "compiler")
-    current = timings_of([narrow, own]).find("zen3", variant, batch, now)
+    current = timings_of([narrow, own]).find("zen3", variant, now)
     assert current is not None and (current.record, current.changed) == (own, ())
-    assert timings_of([narrow]).find("zen4", variant, batch, now) is None
+    assert timings_of([narrow]).find("zen4", variant, now) is None
 
 
 def test_where_a_contact_model_was_not_timed_the_same_recipes_of_another_tell_more() -> None:
     timings = read_timings([ROOT])
-    pooltool = timings.fastest("any/pooltool/n1000/scalar", "zen3", 1)[0]
-    other = replace(pooltool, model="bottom_slip")
-    found = timings.find("zen3", other, False, BASE.basis)
+    pooltool = timings.fastest(POOLTOOL, "zen3", 1)[0]
+    other = pooltool.moved(model="bottom_slip")
+    found = timings.find("zen3", other, BASE.basis)
     if found is not None and found.contest:  # until a Zen 3 has timed it
         assert told([found]).endswith(f"1 records of {found.contest}, as none of these kernels")
-    assert timings.nearest("zen3", "any/pooltool/n999/scalar") == ""
-    assert timings.nearest("zen3", "stun/pooltool/e1m06/scalar") == "", "a closed form is another"
+    assert timings.nearest("zen3", replace(POOLTOOL, goal=Goal(steps=999))) is None
+    closed = Contest("ball-ball", "stun", "pooltool", Goal(budget=1e-6), "scalar")
+    assert timings.nearest("zen3", closed) is None, "a closed form is another"
 
 
 def test_of_what_the_model_cannot_tell_apart_the_recipe_that_won_on_more_cpus_is_chosen() -> None:
@@ -224,7 +226,7 @@ def test_a_batch_kernel_of_another_width_takes_the_place_of_the_one_before() -> 
         made.variant = variant
         choice = choose_by_records([made], ZEN3)
         entries.append(selected(choice, made))
-    empty = Selection(target="zen3", resolved="zen3", scene="any", kernels=[])
+    empty = Selection(impact="ball-ball", target="zen3", resolved="zen3", scene="any", kernels=[])
     both = empty.with_entries(entries[:1]).with_entries(entries[1:])
     assert [entry.width for entry in both.kernels] == [4]
 
@@ -234,24 +236,27 @@ def test_the_banner_says_what_a_choice_rests_on_and_emit_gives_the_same_bytes(
 ) -> None:
     made = candidate("inv", 0.34, changed="kernel text")
     entry = selected(choose_by_records([made], ZEN3), made)
-    folder = tmp_path / "generated" / "zen3" / "any"
-    write_folder(folder, Selection(target="zen3", resolved="zen3", scene="any", kernels=[entry]))
+    folder = tmp_path / "generated" / "ball-ball" / "zen3" / "any"
+    write_folder(
+        folder,
+        Selection(impact="ball-ball", target="zen3", resolved="zen3", scene="any", kernels=[entry]),
+    )
     text = (folder / entry.file).read_text("utf-8")
     print(next(line for line in text.splitlines() if "chosen:" in line))
     assert f"// chosen:   {entry.evidence}\n" in text
     here = Session(root=tmp_path)
-    assert CliRunner().invoke(gen, ["emit", entry.file], obj=here).stdout == text
+    asked = ["emit", str(folder / entry.file)]
+    assert CliRunner().invoke(gen, asked, obj=here).stdout == text
 
 
 def test_a_page_says_what_the_kernel_chosen_for_one_cpu_costs_on_another() -> None:
-    contest = "any/pooltool/e1m06/scalar"
-    rows = [("zen3", "dp54 x1", 0.02), ("zen3", "dp54 x1 root=est1", 0.03)]
-    rows += [("zen4", "dp54 x1", 0.05), ("zen4", "dp54 x1 root=est1", 0.04)]
-    rows += [("zen4", "dp54 x1 root=cubic compiler=clang", 0.0399)]
+    rows = [("zen3", "dp54", 0.02), ("zen3", "dp54 root=est1", 0.03)]
+    rows += [("zen4", "dp54", 0.05), ("zen4", "dp54 root=est1", 0.04)]
+    rows += [("zen4", "dp54 root=cubic compiler=clang", 0.0399)]
     records = [
         BASE.model_copy(
             update={
-                "contest": f"{cpu}/{contest}",
+                "question": f"ball-ball/{cpu}/any/pooltool-e1m06-x1",
                 "recipe": recipe,
                 "ratio": ratio,
                 "cpu": BASE.cpu.model_copy(update={"target": cpu}),
@@ -262,9 +267,9 @@ def test_a_page_says_what_the_kernel_chosen_for_one_cpu_costs_on_another() -> No
     costs = cpu_costs(timings_of(records), "any", "pooltool")
     found = {(c["made_for"], c["timed_on"]): (c["recipe"], c["cost"], c["records"]) for c in costs}
     print(found)
-    assert found["zen3", "zen3"] == ("dp54 x1", 1.0, 2)
-    assert found["zen3", "zen4"] == ("dp54 x1", 0.05 / 0.0399, 3)
-    assert found["zen4", "zen3"] == ("dp54 x1 root=est1", 0.03 / 0.02, 2)
+    assert found["zen3", "zen3"] == ("x1 dp54", 1.0, 2)
+    assert found["zen3", "zen4"] == ("x1 dp54", 0.05 / 0.0399, 3)
+    assert found["zen4", "zen3"] == ("x1 dp54 root=est1", 0.03 / 0.02, 2)
     assert cpu_costs(timings_of(records), "any", "mathavan2014") == []
 
 
@@ -279,6 +284,6 @@ def test_a_timed_kernel_that_the_model_cannot_take_is_chosen_all_the_same(
 
     monkeypatch.setattr("generator.choice.recorded.note_records", lambda *known: None)
     bench = SimpleNamespace(timings=timings_of([]))
-    choice = choose_elsewhere(bench, [timed, other], timed, ZEN3, False, model)  # type: ignore[arg-type]
+    choice = choose_elsewhere(bench, [timed, other], timed, ZEN3, model)  # type: ignore[arg-type]
     assert (choice.chosen, choice.by) == (timed, "records")
     assert "llvm-mca" in other.rejected

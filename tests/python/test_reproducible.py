@@ -10,12 +10,12 @@ import pytest
 from vendored import EXACT, PAIRS, compiled, ran, request_for, vendored
 
 from generator.choice.candidates import batch_candidates, exact_candidates
-from generator.choice.lookup import Goal
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
 from generator.evidence.verification.reference import load_reference
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.lowering.isa import estimates_in
+from generator.registry.question import Goal
 from generator.registry.roots import is_reproducible
 from generator.targets.target import find_target, targets
 from generator.vendoring.job import compare

@@ -259,7 +259,7 @@ def test_a_contest_of_batches_varies_lanes_and_not_the_loop_of_single_calls(
         asked = plan(BATCH, exhaustive=True)
         [outcome], _ = swept(store, FakeLab(), asked)
         tried = [variant_of_subject(t.subject) for t in store.trials() if t.rung == 0 and t.depends]
-    axes = axes_of("euler", 4)
+    axes = axes_of("fixed", 4)
     seen = {axis.key: {v[axis.key] for v in tried} for axis in axes}
     print({key: sorted(codes) for key, codes in seen.items() if len(codes) > 1})
     assert {v.width for v in tried} == {2, 4} and len(tried) == len(set(tried)) > 50

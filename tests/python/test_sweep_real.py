@@ -27,7 +27,7 @@ from generator.errors import EmissionError
 from generator.evidence.records.code import source_hash
 from generator.evidence.timing.bench_tool import build_bench_tool
 from generator.places import cache_folder
-from generator.registry.variant import Stepper, Variant, make_variant
+from generator.registry.variant import Variant, fixed_steps, make_variant
 from generator.sweep.lab import LocalLab
 from generator.sweep.record import Final
 from generator.sweep.space import Contest
@@ -122,7 +122,7 @@ def test_the_hash_of_a_kernels_code_is_not_of_its_name_or_comments(
     """A new axis makes every name longer, and with it lines that hold the name."""
 
     def hashes() -> list[str]:
-        stepper = Stepper("euler", steps=100)
+        stepper = fixed_steps(100)
         options = [{**ONE, "rsqrt": rsqrt} for rsqrt in ("inv", "est1")]
         made = [make_variant("x86-64-v3", "any", "pooltool", stepper, **o) for o in options]
         return [source_hash(emit(variant)) for variant in made]

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from generator.errors import KernelError, KernelTimeout
-from generator.registry.variant import Stepper, make_variant
+from generator.registry.variant import fixed_steps, make_variant
 from generator.targets.target import find_target
 from generator.toolchain import build as build_module
 from generator.toolchain import compilers as compilers_module
@@ -64,7 +64,7 @@ def need_mca() -> None:
 
 
 def a_variant(**options: str):
-    return make_variant("zen3", "pool", "mathavan2014", Stepper("euler", steps=1000), **options)
+    return make_variant("zen3", "pool", "mathavan2014", fixed_steps(1000), **options)
 
 
 @pytest.mark.parametrize("code", CODES)

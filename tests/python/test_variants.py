@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 import re
-from dataclasses import replace
 
 import pytest
 from kernels import (
@@ -24,11 +23,17 @@ from generator.emission.kernel_source import emit
 from generator.evidence.timing.bench_tool import BenchTool
 from generator.evidence.verification.reference import MODELS
 from generator.registry.axes import axes_of, axis
-from generator.registry.names import name_of, source_name_of, variant_named, variant_of
+from generator.registry.names import (
+    name_of,
+    question_named,
+    source_name_of,
+    variant_named,
+    variant_of,
+)
 from generator.registry.presets import PAPER_PRESETS, PRESETS, find_preset
 from generator.registry.roots import EXACT_ROOTS
 from generator.registry.rules import RULES, broken_rule, require_legal
-from generator.registry.variant import Stepper, Variant, make_variant
+from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
 from generator.targets.target import find_target, targets
 from generator.toolchain.flags import compile_flags
 
@@ -69,9 +74,9 @@ def body(each: Variant) -> str:
 def test_names_are_read_back() -> None:
     rng = random.Random(3)
     for each in random_variants(3, 300, tuple(targets())):
-        goal = rng.choice([EULER, Stepper("euler", steps=rng.randrange(1, 10**8))])
-        made = replace(each, stepper=goal)
-        lanes = {a.key: rng.choice(a.codes()) for a in axes_of("euler", 2) if a.lanes}
+        goal = rng.choice([EULER, fixed_steps(rng.randrange(1, 10**8))])
+        made = each.with_stepper(goal)
+        lanes = {a.key: rng.choice(a.codes()) for a in axes_of("fixed", 2) if a.lanes}
         wide = made.in_lanes(rng.choice([2, 4, 8]), **lanes)
         assert variant_of(name_of(made)) == made
         assert variant_of(name_of(wide)) == wide
@@ -85,21 +90,38 @@ def test_a_kernel_is_named_in_full_or_as_its_text_and_its_file_are() -> None:
         source = source_name_of(each)  # what carom_kernel() and Kernel.name tell
         plain = each.with_options(compiler="gcc", flags="strict")
         assert variant_named(name_of(each)) == each
-        for name in (source, f"{source}.cpp", f"generated/zen3/any/{source}.cpp"):
-            assert variant_named(name) == plain
+        assert variant_named(source) == plain
+        file = f"generated/{each.question.folder}/{each.question.file}"
+        for asked in (str(each.question), file, f"/away/{file}"):
+            assert question_named(asked, "zen3") == each.question
+    native = question_named("generated/ball-ball/native/any/pooltool-e1m06-x8f.cpp", "zen4")
+    assert str(native) == "ball-ball/zen4/any/pooltool-e1m06-x8f"
+
+
+EXACT_X8 = "ball-ball/zen3/any/pooltool-e1m06-x8 dp54"
 
 
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        (lambda n: n.replace(".n1000.", ".many."), "no goal"),
-        (lambda n: n.replace(".n1000.", ".e1m06."), "no goal of euler; expected n<steps>"),
-        (lambda n: n.replace(".euler.", ".dp54."), "no goal of dp54; expected e<budget>"),
-        (lambda n: n.replace(".euler.", ".rk4."), "no stepper; there are euler, .*dp54"),
-        (lambda n: n.replace(".x1.", ".1."), "no width"),
-        (lambda n: n.rsplit(".", 1)[0], "choices"),
-        (lambda n: n.replace(".nested.", ".nasty."), "no value 'nasty'"),
-        (lambda n: "one.two", "no kernel name"),
+        (lambda n: n.replace("-n1000-", "-many-"), "no goal"),
+        (lambda n: n.replace("-n1000-", "-e1m06-"), "no goal of fixed; expected n<steps>"),
+        (lambda n: n.replace(" fixed", " dp54"), "no goal of dp54; expected e<budget>"),
+        (lambda n: n.replace(" fixed", " rk4"), "no stepper; there are fixed, .*dp54"),
+        (lambda n: n.split(" ")[0], "no stepper"),
+        (lambda n: n.replace("-x1 ", "-1 "), "no width"),
+        (lambda n: n.replace("-x1 ", "-x8f "), "'x8f' is no width of fixed; expected x8"),
+        (lambda n: f"{n} branch=nasty", "no value 'nasty'"),
+        (lambda n: f"{n} loop=twostage loop=twostage", "each axis once"),
+        (lambda n: f"{n} twostage", "expected AXIS=CODE"),
+        (lambda n: f"{n} lane_root=inv", "no option 'lane_root'; it has state, .*flags"),
+        (
+            lambda n: "ball-ball/zen3/any/pooltool-e1m06-x8 dp54 numbers=float",
+            "no option 'numbers'",
+        ),
+        (lambda n: re.sub("/[^/]*/any/", "/zen9/any/", n), "no such target"),
+        (lambda n: n.replace("ball-ball/", "ball-cue/"), "no such impact; there are ball-ball"),
+        (lambda n: "one/two", "no question; expected IMPACT/TARGET"),
     ],
 )
 def test_wrong_names_are_refused(change, complaint: str) -> None:
@@ -208,7 +230,7 @@ def test_every_choice_changes_the_text_or_the_flags() -> None:
                     texts[name_of(each)] = body(each)
             assert texts[name_of(base)] != texts[name_of(other)], (name_of(base), changed)
             seen |= {(changed, base[changed]), (changed, other[changed])}
-    every = {(a.key, code) for a in axes_of("euler") for code in a.codes()}
+    every = {(a.key, code) for a in axes_of("fixed") for code in a.codes()}
     alone = {(k, c) for k, c in every - seen if k not in ("compiler", "flags")}
     reached = {choice for base in bases for choice in base.options}
     print("legal only together with others:", sorted(alone))

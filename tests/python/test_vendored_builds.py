@@ -11,7 +11,7 @@ from kernels import ROOT
 from vendored import EXACT, PAIRS, STRICT, compiled, ran, request_for, vendored
 
 import generator.targets.target as target_room
-from generator.choice.lookup import Goal
+from generator.registry.question import Goal
 from generator.targets.target import Target, TargetRow, targets
 
 PROGRAMS = ROOT / "tests" / "vendor"
@@ -195,10 +195,12 @@ def test_two_prefixes_live_in_one_program(tmp_path) -> None:
         objects += compiled(made, tmp_path / f"{prefix}-objects", PAIRS[0][0], "-O1")
     second = f"-I{tmp_path / 'smooth'}"
     run = program(PROGRAMS / "two_prefixes.cpp", objects, tmp_path / "fixed", tmp_path, second)
-    told = ran([run], env={"FIXED_TARGET": "x86-64-v2", "SMOOTH_TARGET": "zen3"}).stdout.split()
+    told = ran(
+        [run], env={"FIXED_TARGET": "x86-64-v2", "SMOOTH_TARGET": "zen3"}
+    ).stdout.splitlines()
     print(told)
-    assert told[0].startswith("x86-64-v2.any.mathavan2014.euler.n1000.")
-    assert told[1].startswith("zen3.any.mathavan2014.dp54.e1m06.")
+    assert told[0].startswith("ball-ball/x86-64-v2/any/mathavan2014-n1000-x1 fixed ")
+    assert told[1].startswith("ball-ball/zen3/any/mathavan2014-e1m06-x1 dp54 ")
 
 
 def test_typed_header_collides_one_and_many(folder, objects, tmp_path) -> None:

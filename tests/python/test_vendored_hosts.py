@@ -11,12 +11,13 @@ import pytest
 from kernels import ROOT
 from vendored import EXACT, PAIRS, STRICT, files_for, ran, request_for, vendored
 
-from generator.choice.lookup import Goal, default_kernel
+from generator.choice.lookup import default_kernel
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
 from generator.impacts.ball_ball.models import DEFAULT_MODEL, MODELS
 from generator.impacts.ball_ball.scene import scenes
 from generator.registry.lanes import widths_of
+from generator.registry.question import Goal
 from generator.targets.target import find_target
 from generator.vendoring.manifest import read_manifest, sha256_of
 

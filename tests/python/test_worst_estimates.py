@@ -25,7 +25,7 @@ from generator.registry.lanes import widths_of
 from generator.registry.presets import find_preset
 from generator.registry.roots import amplification
 from generator.registry.rules import broken_rule
-from generator.registry.variant import Stepper, make_variant
+from generator.registry.variant import Stepper, fixed_steps, make_variant
 from generator.steppers.exact.budgets import tableaus_for
 from generator.targets.host import read_host
 from generator.targets.target import RSQRT14_ERROR, RSQRTSS_ERROR, find_target, targets
@@ -104,9 +104,7 @@ def _every_kind(target):
             root="est1", fma=fma, **lanes,
         )  # fmt: skip
         options = {**find_preset("reduced-ahead").options, "rsqrt": "est1", "fma": fma, **lanes}
-        yield make_variant(
-            target.name, "any", "pooltool", Stepper("euler", steps=10), width, **options
-        )
+        yield make_variant(target.name, "any", "pooltool", fixed_steps(10), width, **options)
     for width in widths_of(target, "float"):
         yield make_variant(
             target.name, "arcade", "pooltool", Stepper("ss43", budget=1e-1), width,
@@ -114,7 +112,7 @@ def _every_kind(target):
         )  # fmt: skip
     slips = {"rsqrt": "est2", "loop": "twostage", "reuse": "precompute", "simd": "slips"}
     options = {**find_preset("reduced-ahead").options, **slips, "fma": fma}
-    yield make_variant(target.name, "any", "pooltool", Stepper("euler", steps=10), 1, **options)
+    yield make_variant(target.name, "any", "pooltool", fixed_steps(10), 1, **options)
 
 
 @pytest.mark.parametrize("name", ["x86-64-v2", "x86-64-v3", "x86-64-v4"])

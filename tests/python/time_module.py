@@ -44,7 +44,7 @@ def shots(count: int, seed: int = 2014) -> np.ndarray:
 
 def variant_in(kernel) -> Variant:  # type: ignore[no-untyped-def]
     """The variant that a kernel of the module is made from; the module is built by GCC."""
-    return variant_of(f"{kernel.name}.gcc.strict")
+    return variant_of(kernel.name)
 
 
 def c_batch(variant: Variant, balls: np.ndarray, out: np.ndarray) -> Call:

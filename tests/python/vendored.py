@@ -10,11 +10,10 @@ from pathlib import Path
 
 from kernels import bench_tool
 
-from generator.choice.folder import file_of
-from generator.choice.lookup import Goal, default_kernel
+from generator.choice.lookup import default_kernel
 from generator.choice.selection import Selected
 from generator.registry.lanes import widths_of
-from generator.registry.names import name_of
+from generator.registry.question import Goal
 from generator.targets.target import find_target
 from generator.vendoring.folder import write_files
 from generator.vendoring.job import all_files
@@ -46,15 +45,10 @@ def record_for(request: VendorRequest, target: str, width: int = 1) -> Selected:
         lanes = {"lane_root": "ieee"} if width > 1 else {}
         if goal.steps is None:
             variant = variant.with_options(root="ieee")
-    name = name_of(variant.in_lanes(width, **lanes))
+    variant = variant.in_lanes(width, **lanes)
     return Selected(
-        kernel=name,
-        file=file_of(name),
-        model=request.model,
-        stepper=variant.stepper.name,
-        steps=goal.steps,
-        budget=goal.budget,
-        width=width,
+        question=str(variant.question),
+        recipe=str(variant.recipe),
         chosen_by="default",
         measured_on="none",
         ratio_to_baseline=None,

@@ -18,6 +18,8 @@ def document(
     within = subject.within
     return {
         "kernel": name_of(variant),
+        "question": str(variant.question),
+        "recipe": str(variant.recipe),
         "batch": subject.batch,
         "budget": subject.budget,
         "model": variant.model,

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...emission.kernel_source import KernelSource
-from ...registry.names import symbol_of
+from ...registry.question import symbol_of
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 

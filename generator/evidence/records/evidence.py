@@ -3,40 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ...errors import InputError
 from ...impacts.ball_ball.scene import find_scene
 from ...registry.axes import axis
-from ...registry.variant import Variant
+from ...registry.names import name_of, variant_of
+from ...registry.question import Contest
+from ...registry.variant import Variant, answered
 from ...targets.target import targets
 from .files import FOLDER, SUFFIX, read_records
-from .recipe import contest_of, recipe_of, variant_of_recipe
 from .record import Basis, TimingRecord
 
 NEGLIGIBLE = 1.01  # what takes no more than this of the fastest may be chosen
-_NOT_CHOSEN = ("flags=", "fma=autofma")  # in a recipe: a compiler decides how it rounds
 WON = 1.02  # what takes no more than this of the fastest has won, too: two timings differ by 1 %
 
-# A recipe as far as it tells of a contest's time; the fields of a contest without its target.
-Key = tuple[str, str]
+# What a kernel's records are found by: its contest, and the kernel as far as it tells of the time.
+Key = tuple[Contest, Variant]
 
 
-def key_of_kernel(variant: Variant, batch: bool) -> Key:
+def key_of_kernel(variant: Variant) -> Key:
     """By which a kernel's records are found: options of single calls do not move a batch."""
-    recipe = recipe_of(variant)
-    if batch and variant.width > 1:
-        family = variant.stepper.family
-        words = recipe.split(" ")
-        kept = [w for w in words if "=" not in w or not _single_only(w.split("=")[0], family)]
-        recipe = " ".join(kept)
-    return contest_of(variant, batch).split("/", 1)[1], recipe
+    asked = replace(variant.question, target="")
+    options = dict(variant.options)
+    if variant.width > 1:
+        options = {key: code for key, code in options.items() if not _single_only(key)}
+    return asked.contest, answered(asked, variant.recipe.stepper, options)
 
 
-def _single_only(key: str, family: str) -> bool:
+def _single_only(key: str) -> bool:
     known = axis(key)
-    return known.family == family and not known.lanes
+    return known.family != "all" and not known.lanes
 
 
 @dataclass(frozen=True)
@@ -45,7 +43,7 @@ class Found:
 
     record: TimingRecord
     changed: tuple[str, ...]  # what is another since, in a reader's words; empty: nothing
-    contest: str = ""  # of the record, where it is not the kernel's own
+    contest: Contest | None = None  # of the record, where it is not the kernel's own
 
 
 @dataclass(frozen=True)
@@ -55,65 +53,81 @@ class Timings:
     by_cpu: Mapping[str, Mapping[Key, tuple[TimingRecord, ...]]] = field(default_factory=dict)
     damaged: tuple[str, ...] = ()
 
-    def contests(self, cpu: str) -> list[str]:
-        return sorted({name for name, _ in self.by_cpu.get(cpu, {})})
+    def contests(self, cpu: str) -> list[Contest]:
+        return sorted({contest for contest, _ in self.by_cpu.get(cpu, {})}, key=str)
 
-    def contest(self, cpu: str, contest: str) -> dict[str, TimingRecord]:
-        """The record that tells most of each recipe that may be chosen, the fastest first.
+    def contest(self, cpu: str, contest: Contest) -> dict[Variant, TimingRecord]:
+        """The record that tells most of each kernel that may be chosen, the fastest first.
 
-        `contest`: without its target.
+        The kernels are of no target.
         """
         found = {
-            recipe: min(records, key=lambda r: (r.spread, r.line()))
-            for (name, recipe), records in self.by_cpu.get(cpu, {}).items()
-            if name == contest and not any(each in recipe for each in _NOT_CHOSEN)
+            kernel: min(records, key=lambda r: (r.spread, r.line()))
+            for (name, kernel), records in self.by_cpu.get(cpu, {}).items()
+            if name == contest and kernel.rounds_as_written
         }
-        return dict(sorted(found.items(), key=lambda each: (each[1].ratio, each[0])))
+        return dict(sorted(found.items(), key=lambda each: (each[1].ratio, name_of(each[0]))))
 
-    def nearest(self, cpu: str, contest: str) -> str:
-        """The contest itself, else one of another scene or contact model; empty: there is none.
+    def nearest(self, cpu: str, contest: Contest) -> Contest | None:
+        """The contest itself, else one of another scene or contact model; None: there is none.
 
         The same recipe makes nearly the same loop for each of them.
         """
         there = self.contests(cpu)
         if contest in there:
             return contest
-        scene, model, *question = contest.split("/")
-        level = find_scene(scene).level
+        level = find_scene(contest.scene).level
         others = [
-            (other_model == model, len(self.contest(cpu, name)), name)
-            for name in there
-            for other_scene, other_model, *other in [name.split("/")]
-            if other == question and find_scene(other_scene).level == level
+            other
+            for other in there
+            if replace(other, scene=contest.scene, model=contest.model) == contest
+            and find_scene(other.scene).level == level
         ]
-        return max(others)[2] if others else ""
+        return max(
+            others,
+            key=lambda o: (o.model == contest.model, len(self.contest(cpu, o)), str(o)),
+            default=None,
+        )
 
-    def find(self, cpu: str, variant: Variant, batch: bool, now: Basis) -> Found | None:
+    def find(self, cpu: str, variant: Variant, now: Basis) -> Found | None:
         """The record of today's code if there is one, else of earlier code; then the narrowest.
 
         Of the nearest contest, where the kernel's own was not timed on that CPU at all.
         """
-        own, recipe = key_of_kernel(variant, batch)
+        own, kernel = key_of_kernel(variant)
         contest = self.nearest(cpu, own)
-        records = self.by_cpu.get(cpu, {}).get((contest, recipe), ())
-        other = contest if contest != own else ""
+        if contest is None:
+            return None
+        records = self.by_cpu.get(cpu, {}).get((contest, _moved(kernel, contest)), ())
+        other = contest if contest != own else None
         found = [Found(r, () if other else r.basis.changed(now), other) for r in records]
         return min(found, key=_telling, default=None)
 
-    def fastest(self, contest: str, target: str, most: int) -> list[Variant]:
+    def fastest(self, contest: Contest, target: str, most: int) -> list[Variant]:
         """Kernels of a target's fastest recipes, for any scene or contact model of the contest."""
-        found = self.contest(target, self.nearest(target, contest))
-        return [variant_of_recipe(f"{target}/{contest}", recipe) for recipe in list(found)[:most]]
+        nearest = self.nearest(target, contest)
+        found = self.contest(target, nearest) if nearest is not None else {}
+        return [_moved(kernel, contest, target) for kernel in list(found)[:most]]
 
-    def winners(self, cpu: str, contest: str) -> list[str]:
-        """Recipes within 2 % of the fastest, the fastest first."""
-        ratios = {recipe: record.ratio for recipe, record in self.contest(cpu, contest).items()}
-        return [r for r, ratio in ratios.items() if ratio <= WON * min(ratios.values())]
+    def winners(self, cpu: str, contest: Contest) -> list[Variant]:
+        """Kernels within 2 % of the fastest, the fastest first."""
+        ratios = {kernel: record.ratio for kernel, record in self.contest(cpu, contest).items()}
+        return [each for each, ratio in ratios.items() if ratio <= WON * min(ratios.values())]
 
-    def wins(self, variant: Variant, batch: bool) -> int:
+    def wins(self, variant: Variant) -> int:
         """On how many CPUs a kernel's recipe has won."""
-        contest, recipe = key_of_kernel(variant, batch)
-        return sum(recipe in self.winners(cpu, self.nearest(cpu, contest)) for cpu in self.by_cpu)
+        own, kernel = key_of_kernel(variant)
+        near = {cpu: self.nearest(cpu, own) for cpu in self.by_cpu}
+        return sum(
+            _moved(kernel, there) in self.winners(cpu, there)
+            for cpu, there in near.items()
+            if there is not None
+        )
+
+
+def _moved(kernel: Variant, contest: Contest, target: str = "") -> Variant:
+    """The same kernel for the scene and the contact model of another contest."""
+    return kernel.moved(target=target, scene=contest.scene, model=contest.model)
 
 
 def _telling(found: Found) -> tuple[bool, float, str]:
@@ -126,11 +140,10 @@ def timings_of(records: Iterable[TimingRecord], damaged: Sequence[str] = ()) -> 
     lost = list(damaged)
     for record in records:
         try:
-            variant = variant_of_recipe(record.contest, record.recipe)
+            key = key_of_kernel(variant_of(record.kernel))
         except ValueError as error:
-            lost.append(f"{record.contest} {record.recipe}: {error}; the record is skipped")
+            lost.append(f"{record.kernel}: {error}; the record is skipped")
             continue
-        key = key_of_kernel(variant, record.contest.endswith("/batch"))
         there = by_cpu.setdefault(record.cpu.target, {})
         there[key] = (*there.get(key, ()), record)
     return Timings(by_cpu, tuple(lost))
@@ -143,7 +156,7 @@ def told(found: Sequence[Found], modelled: int = 0) -> str:
     text = f"timed on {found[0].record.cpu.text}, {span}, {len(found)} records"
     earlier = [each for each in found if each.changed]
     changes = {change: None for each in earlier for change in each.changed}
-    if other := found[0].contest:
+    if (other := found[0].contest) is not None:
         text += f" of {other}, as none of these kernels"
     elif earlier:
         text += f", {len(earlier)} of them of earlier code ({', '.join(changes)})"

@@ -54,7 +54,7 @@ def _reason(error: ValidationError) -> str:
 def union(*groups: Iterable[TimingRecord]) -> tuple[TimingRecord, ...]:
     """Each record once, in the order of a file."""
     lines = {record.line(): record for group in groups for record in group}
-    order = sorted(lines, key=lambda line: (lines[line].contest, lines[line].recipe, line))
+    order = sorted(lines, key=lambda line: (lines[line].question, lines[line].recipe, line))
     return tuple(lines[line] for line in order)
 
 

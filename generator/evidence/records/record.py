@@ -66,7 +66,7 @@ class TimingRecord(_Part):
     """How fast one kernel was. Times are of one collision, medians over the rounds."""
 
     schema_version: Literal[1] = 1
-    contest: str = Field(pattern=r"^[^/ ]+(/[^/ ]+){3}/(scalar|batch)$")
+    question: str = Field(pattern=r"^[^/ ]+(/[^/ ]+){3}$")
     recipe: str
     ratio: float = Field(gt=0)  # of time to that of `paper-initial` in the same round
     ratio_ci: Interval  # 95 %
@@ -77,6 +77,11 @@ class TimingRecord(_Part):
     origin: str  # what timed it, and whether in company
     cpu: Cpu
     basis: Basis
+
+    @property
+    def kernel(self) -> str:
+        """The name of the kernel."""
+        return f"{self.question} {self.recipe}"
 
     @property
     def day(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any
 
 from ...choice.modelling import modelled as replayed
@@ -40,7 +40,7 @@ def modelled(bench: Workbench, variant: Variant, host: Host, cases: Array) -> tu
 
 def _prepared(bench: Workbench, variant: Variant, target: Target) -> tuple[Candidate | None, str]:
     """The variant for a target, or why there is none; by Clang where its own compiler cannot."""
-    own = replace(variant, target=target.name)
+    own = variant.moved(target=target.name)
     if not target.has("fma"):
         own = own.with_options(fma="nofma")
     if (rule := broken_rule(own, target)) is not None:

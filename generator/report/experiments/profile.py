@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -130,7 +130,7 @@ def _simulated(bench: Workbench, candidate: Candidate, cases: Array) -> MissFigu
     refused = []
     for name in SIMULATED:
         target = find_target(name)
-        variant = replace(candidate.variant, target=name)
+        variant = candidate.variant.moved(target=name)
         if not target.has("fma"):
             variant = variant.with_options(fma="nofma")
         if (rule := broken_rule(variant, target)) is not None:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...choice.candidates import baseline, paper_rows
-from ...choice.lookup import Goal, kernel_for, with_compiler_found
-from ...choice.selection import read_selection
-from ...registry.names import name_of, variant_of
+from ...choice.lookup import kernel_for, with_compiler_found
+from ...choice.selection import place_of, read_selection
+from ...registry.names import name_of
+from ...registry.question import Goal
 from ...registry.rules import broken_rule
-from ...registry.variant import Stepper, Variant
+from ...registry.variant import Variant, fixed_steps
 from ...sweep.record import Final
 from ...sweep.space import variant_of_subject
 from ...targets.target import Target
@@ -73,7 +74,7 @@ def subjects(
 ) -> list[Subject]:
     """The baseline first; what a sweep chose, else what `generated/` holds, else the default."""
     codes = list(compilers)
-    rows = paper_rows(target.name, scene, model, Stepper("euler", steps=STEPS))
+    rows = paper_rows(target.name, scene, model, fixed_steps(STEPS))
     rows[BASELINE] = baseline(target, scene, model, STEPS, codes)
     found = [Subject(role, variant, role in (BASELINE, BEST)) for role, variant in rows.items()]
     chosen = _chosen_by_sweep(finals, "scalar")
@@ -107,10 +108,10 @@ def lanes_in(generated: Path, target: Target, scene: str, model: str) -> list[Va
     """Kernels with lanes that a folder of `generated` holds for a target."""
     found = []
     for name in ("native", target.name):
-        selection = read_selection(generated / name / scene)
+        selection = read_selection(place_of(generated, name, scene))
         if selection is not None and selection.resolved == target.name:
             own = [e for e in selection.kernels if e.model == model and e.width > 1]
-            found += [variant_of(entry.kernel) for entry in own]
+            found += [entry.variant for entry in own]
     return found
 
 

@@ -15,7 +15,7 @@ from ...evidence.verification.errors import Array
 from ...evidence.verification.reference import load_reference
 from ...impacts.ball_ball.scene import find_scene
 from ...registry.names import name_of
-from ...registry.variant import Stepper
+from ...registry.variant import fixed_steps
 from ...targets.target import Target
 from ..findings import CallPoint, GrowthPoint, Modelled
 from .accuracy import Accuracy, accuracy_of, kinds_of
@@ -97,7 +97,7 @@ def growth_of(
     Times are ratios to the baseline in the same rounds, times what the baseline takes among all.
     """
     rows = [
-        (s.subject.role, steps, replace(s.subject.variant, stepper=Stepper("euler", steps=steps)))
+        (s.subject.role, steps, s.subject.variant.with_stepper(fixed_steps(steps)))
         for s in studies
         if s.subject.role in (BASELINE, EULER) and not s.candidate.rejected
         for steps in GROWTH

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from ...choice.lookup import Goal, default_kernel
+from ...choice.lookup import default_kernel
 from ...choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
 from ...errors import KernelError
 from ...evidence.profiling.counting import Counted, count_operations
@@ -13,6 +13,7 @@ from ...evidence.timing.plan import PlannedKernel, TimingPlan
 from ...evidence.timing.ratios import Interval, timing_results
 from ...evidence.verification.errors import Array
 from ...impacts.ball_ball.scene import find_scene
+from ...registry.question import Goal
 from ...registry.rules import broken_rule
 from ...registry.variant import Variant
 from ...targets.target import Target
@@ -68,7 +69,7 @@ def scene_costs(
 def _cost(bench: Workbench, target: Target, name: str, seconds: float) -> SceneCost:
     scene = find_scene(name)
     own = kernel_of(target, name, scene.max_error)
-    plain = replace(own, scene=PLAIN)
+    plain = own.moved(scene=PLAIN)
     candidates = bench.prepare([own, plain], target)
     bench.compile(candidates)
     for candidate in candidates:

@@ -11,15 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...choice.candidates import baseline, exact_candidates
-from ...choice.lookup import Goal, kernel_for, with_compiler_found
+from ...choice.lookup import kernel_for, with_compiler_found
 from ...choice.workbench import TIMING_CASES, TIMING_SEED, Candidate, Workbench
 from ...errors import KernelError
 from ...evidence.timing.plan import PlannedKernel, TimingPlan
 from ...evidence.timing.ratios import TimingResult, timing_results
 from ...evidence.verification.errors import SLIPS, STATUS, STICKS, Array, errors_of
 from ...registry.names import name_of
+from ...registry.question import Goal
 from ...registry.rules import broken_rule
-from ...registry.variant import Stepper, Variant, make_variant
+from ...registry.variant import Stepper, Variant, fixed_steps, make_variant
 from ...steppers.exact.budgets import tableaus_for
 from ...tableaus.tableaus import TABLEAUS
 from ...targets.host import Host
@@ -135,7 +136,7 @@ def _entries(
     best = with_compiler_found(best, dict(bench.compilers))
     groups: dict[Group, Iterable[Variant]] = {
         "baseline": [first],
-        "euler": [replace(best, stepper=Stepper("euler", steps=n)) for n in STEPS],
+        "euler": [best.with_stepper(fixed_steps(n)) for n in STEPS],
         "exact": [v for b in BUDGETS for v in exact_candidates(target, scene, model, b, codes[:1])],
         "family": _family(target, scene, model, codes[0]),
     }
@@ -219,7 +220,7 @@ def _point(entry: Entry, timing: TimingResult) -> Point:
     return Point(
         group=entry.group,
         kernel=entry.candidate.name,
-        stepper=stepper.name,
+        stepper="euler" if stepper.steps else stepper.name,
         steps=stepper.steps,
         budget=stepper.budget,
         max_rel_error=float(f"{entry.error:.3g}"),

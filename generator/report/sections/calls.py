@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ...evidence.records.evidence import NEGLIGIBLE, Timings
-from ...evidence.records.recipe import variant_of_recipe
 from ...evidence.records.record import TimingRecord
+from ...registry.variant import Variant
 from ..findings import CallPoint
 from ..known import Known
 from ..layout import (
@@ -92,29 +92,29 @@ def cpu_costs(timings: Timings, scene: str, model: str) -> list[dict[str, Any]]:
     `cost`: None where that CPU has not timed the recipe; `records`: recipes that it has timed.
     """
     found = []
-    names = sorted({name for cpu in timings.by_cpu for name in timings.contests(cpu)})
-    for contest in (name for name in names if name.split("/")[:2] == [scene, model]):
+    contests = sorted({c for cpu in timings.by_cpu for c in timings.contests(cpu)}, key=str)
+    for contest in (each for each in contests if (each.scene, each.model) == (scene, model)):
         there = {cpu: timings.contest(cpu, contest) for cpu in sorted(timings.by_cpu)}
         there = {cpu: timed for cpu, timed in there.items() if timed}
         for made_for, own in there.items():
-            recipe = _chosen(f"{made_for}/{contest}", own)
+            chosen = _chosen(own)
             for timed_on, timed in there.items():
                 least = next(iter(timed.values())).ratio
                 found.append(
                     {
-                        "contest": contest,
+                        "contest": str(contest),
                         "made_for": made_for,
                         "timed_on": timed_on,
-                        "recipe": recipe,
-                        "cost": timed[recipe].ratio / least if recipe in timed else None,
+                        "recipe": f"{chosen.question.width} {chosen.recipe}",
+                        "cost": timed[chosen].ratio / least if chosen in timed else None,
                         "records": len(timed),
                     }
                 )
     return found
 
 
-def _chosen(contest: str, records: dict[str, TimingRecord]) -> str:
+def _chosen(records: dict[Variant, TimingRecord]) -> Variant:
     """As a choice by records has it: of the fastest within 1 % the fewest options."""
     least = next(iter(records.values())).ratio
-    close = [recipe for recipe, record in records.items() if record.ratio <= NEGLIGIBLE * least]
-    return min(close, key=lambda r: variant_of_recipe(contest, r).distance_from_default())
+    close = [kernel for kernel, record in records.items() if record.ratio <= NEGLIGIBLE * least]
+    return min(close, key=lambda kernel: kernel.distance_from_default())
