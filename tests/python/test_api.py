@@ -79,7 +79,7 @@ def test_a_request_that_cannot_be_is_refused_in_one_line(request_, part):
 
 
 def test_explain_says_step_of_exact_kernels_and_begins_with_its_symbols():
-    found = api.explain("zen3.any.bottom_slip.dp54.e1m06.x1.est1.fma")
+    found = api.explain("ball-ball/zen3/any/bottom_slip-e1m06-x1 dp54 root=est1")
     assert found.exact and found.flops > 50
     assert dict(found.legend)["dq"].startswith("one increment of the normal impulse")
     assert "dc_x" in [symbol for each in found.derivation for symbol, _ in each.formulas]
@@ -98,18 +98,12 @@ class Told:
         self.title = f"{model}, {'N = 1000' if fixed else 'within 1e-06'}, {'ab'[batch]}"
         options = {"rsqrt": "ahead", "order": "chain", "state": "reduced", "reuse": "factored"}
         own = variant(**options, roots="early", branch="chosen", loop="twostage")
-        from generator.evidence.records.recipe import recipe_of
-
-        self.recipe = recipe_of(own) if fixed else "dp54 x1 root=est1"
+        self.recipe = str(own.recipe) if fixed else "dp54 root=est1"
         self.choice = Choice(None, (), "timing", "zen3", "timed on a CPU (zen3), 2026-01-01")
-        goal = {"steps": 1000, "budget": None} if fixed else {"steps": None, "budget": 1e-6}
+        goal, width = "n1000" if fixed else "e1m06", "x8" if batch else "x1"
         self.entry = Selected(
-            kernel="k",
-            file=f"{model}-{'n1000' if fixed else 'e1m06'}-{'x8' if batch else 'x1'}.cpp",
-            model=model,
-            stepper="euler" if fixed else "dp54",
-            **goal,
-            width=8 if batch else 1,
+            question=f"ball-ball/zen3/any/{model}-{goal}-{width}",
+            recipe=self.recipe,
             chosen_by="timing",
             measured_on="zen3",
             ratio_to_baseline=1 / 233.2,
