@@ -9,10 +9,13 @@ import pytest
 from kernels import ROOT
 
 import generator.choice.candidates as candidates
+import generator.registry.axes as axes_room
 import generator.registry.presets as presets
 import generator.targets.host as host
 import generator.targets.target as target_room
+from generator.choice.folder import differences
 from generator.emission.kernel_source import emit
+from generator.evidence.records.files import read_records
 from generator.registry.names import name_of, variant_of
 from generator.registry.presets import Preset, find_preset
 from generator.registry.variant import fixed_steps, make_variant
@@ -60,6 +63,31 @@ def test_a_target_is_added_in_one_file(monkeypatch) -> None:
     made = make_variant(name, "any", "pooltool", STEPPER, fma="fma")
     assert variant_of(name_of(made)) == made
     assert "avx2,fma" in emit(made).source
+
+
+@pytest.mark.parametrize(("family", "lanes"), [("all", False), ("exact", True)])
+def test_an_axis_with_a_default_renames_nothing_and_changes_no_committed_byte(
+    monkeypatch: pytest.MonkeyPatch, family: str, lanes: bool
+) -> None:
+    """Files of generated/, their names, their texts and records: the registry alone is patched."""
+    choices = (axes_room.Choice("plain", "as it was"), axes_room.Choice("fancy", "otherwise"))
+    added = axes_room.Axis("finish", "a decision that is new", choices, family, lanes)
+    known = [r for path in (ROOT / "timings").glob("*.jsonl") for r in read_records(path).records]
+    before = {record.kernel: variant_of(record.kernel).options for record in known}
+    monkeypatch.setattr(axes_room, "AXES", (added, *axes_room.AXES))
+    folder = ROOT / "generated" / "ball-ball" / "zen3" / "any"
+    assert differences(folder) == []
+    grown = 0
+    for name, options in before.items():
+        now = variant_of(name)
+        assert name_of(now) == name
+        grown += now.options != options
+        assert dict(options).items() <= dict(now.options).items()
+    print(f"{grown} of {len(before)} kernels have the axis")
+    wide = variant_of("ball-ball/zen3/any/pooltool-e1m06-x4 dp54 lane_root=inv")
+    fancy = wide.with_options(finish="fancy")
+    assert grown and name_of(fancy).startswith(f"{wide.question} dp54 finish=fancy")
+    assert variant_of(name_of(fancy)) == fancy
 
 
 def test_a_cpu_is_made_known_in_one_file(monkeypatch) -> None:
