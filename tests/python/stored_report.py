@@ -131,7 +131,7 @@ def _trial(run: Run, contest: Contest, variant: Variant, random: Random, rejecte
         compiler=f"{variant['compiler']} 1",
         flags=("-O3",),
         cpu="made up",
-        goal=variant.stepper.goal,
+        goal=str(variant.stepper.goal),
         call=contest.call,
         cases="c",
         rules="r",

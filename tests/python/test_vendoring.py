@@ -279,8 +279,12 @@ def test_verify_says_out_of_date_where_another_kernel_is_chosen_by_now(tmp_path)
     places = nowhere(tmp_path)
     for ratio, reasons in ((None, 0), (0.4, 1)):
         entry = record.model_copy(update={"ratio_to_baseline": ratio})
-        chosen = Selection(target="zen3", resolved="zen3", scene="any", kernels=[entry])
-        write_file(places.cache / "zen3" / "any" / SELECTION, chosen.text(), parents=True)
+        chosen = Selection(
+            impact="ball-ball", target="zen3", resolved="zen3", scene="any", kernels=[entry]
+        )
+        write_file(
+            places.cache / "ball-ball" / "zen3" / "any" / SELECTION, chosen.text(), parents=True
+        )
         assert stored_kernels(places, request, "zen3") == TargetKernels(entry)
         found = compare(made, places, bench_tool())
         print(found.outdated)
@@ -296,8 +300,10 @@ def test_a_stored_choice_for_batches_is_vendored_beside_that_for_single_calls(tm
         for width, ratio in ((2, 0.2), (4, 0.1))
     ]
     places = nowhere(tmp_path)
-    stored = Selection(target="zen3", resolved="zen3", scene="any", kernels=[single, *wide])
-    write_file(places.cache / "zen3" / "any" / SELECTION, stored.text(), parents=True)
+    stored = Selection(
+        impact="ball-ball", target="zen3", resolved="zen3", scene="any", kernels=[single, *wide]
+    )
+    write_file(places.cache / "ball-ball" / "zen3" / "any" / SELECTION, stored.text(), parents=True)
     assert stored_kernels(places, request, "zen3") == TargetKernels(single, wide[1])
     made = vendored(tmp_path / "carom", request)
     found = compare(made, places, bench_tool())
@@ -310,8 +316,12 @@ def test_other_steps_take_the_choice_at_a_thousand_lanes_included(tmp_path) -> N
     thousand, request = (request_for("x86-64-v2", Goal(steps=n)) for n in (1000, 50))
     places, host = nowhere(tmp_path), read_host()
     base = [record_for(thousand, "x86-64-v2", width) for width in (1, 2)]
-    stored = Selection(target="x86-64-v2", resolved="x86-64-v2", scene="any", kernels=base)
-    write_file(places.cache / "x86-64-v2" / "any" / SELECTION, stored.text(), parents=True)
+    stored = Selection(
+        impact="ball-ball", target="x86-64-v2", resolved="x86-64-v2", scene="any", kernels=base
+    )
+    write_file(
+        places.cache / "ball-ball" / "x86-64-v2" / "any" / SELECTION, stored.text(), parents=True
+    )
     bench = Workbench(bench_tool(), CACHE.parent, {c.code: c for c in find_compilers()})
     made = kernels_for(places, request, "x86-64-v2", bench, host, 1.0)
     assert made.batch is not None
