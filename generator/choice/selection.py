@@ -132,7 +132,7 @@ def place_of(root: Path, target: str, scene: str, impact: str = DEFAULT_IMPACT) 
 
 def how_to_make(folder: Path) -> str:
     """The command that makes a folder."""
-    impact, target, scene = folder.parts[-3:]
+    impact, target, scene = folder.absolute().parts[-3:]
     named = "" if impact == DEFAULT_IMPACT else f" --impact {impact}"
     return f"./gen --target {target}{named} --scene {scene}"
 

@@ -15,6 +15,7 @@ from test_sweep_kills import HERE, run_and_kill
 from generator.api import Session
 from generator.cli.main import gen
 from generator.evidence.records.files import read_records, timings_path
+from generator.registry.names import variant_of
 from generator.sweep.exporting import exported
 from generator.sweep.record import Trial
 from generator.sweep.store import opened, read_only
@@ -54,7 +55,7 @@ def test_a_merge_of_files_is_the_same_in_either_order_and_done_again(tmp_path: P
 
 def test_a_damaged_line_of_a_merge_is_named_and_the_rest_is_used(tmp_path: Path) -> None:
     a, b = part(tmp_path / "a.jsonl", 0, 4), part(tmp_path / "b.jsonl", 4, 8)
-    a.write_text(a.read_text("utf-8") + '{"contest": "zen3/an', "utf-8")
+    a.write_text(a.read_text("utf-8") + '{"question": "ball-ball/zen3/an', "utf-8")
     done = call("merge", a, b, "--out", tmp_path / "c.jsonl")
     print(done.stderr)
     assert done.exit_code == 0
@@ -78,7 +79,7 @@ def test_an_export_holds_one_record_of_each_kernel_that_was_timed(
     with read_only(store) as kept:
         trials, finals = kept.trials(), kept.finals()
     names = {t.subject.name for t in trials if t.times is not None}
-    assert len(records) == len({(r.contest, r.recipe) for r in records}) == len(names)
+    assert len(records) == len({r.kernel for r in records}) == len(names)
     in_finals = sum(len(final.finalists) for final in finals)
     assert sum("final" in r.origin for r in records) == in_finals > 0
     assert {r.cpu.text for r in records} == {"made up (zen3)"}
@@ -123,7 +124,7 @@ def test_kill_9_during_a_refresh_loses_nothing_that_was_timed(tmp_path: Path) ->
     with read_only(place) as store:
         lowest = [t.key for t in store.trials() if isinstance(t, Trial) and t.rung == 0]
     assert len(lowest) == len(set(lowest)), "timed twice"
-    assert {r.contest.split("/")[2] for r in after} == {"pooltool", "mathavan2014"}
+    assert {variant_of(r.kernel).model for r in after} == {"pooltool", "mathavan2014"}
     assert {r.cpu.model for r in after} == {1}
 
 
