@@ -1,6 +1,7 @@
-// Included before a kernel when it is verified (generator/evidence/verification/worst_estimates.py), and in
-// no other build: in place of x86's instructions that estimate 1 / sqrt(x), the root itself, off by
-// as much as their specification allows. Intel's manual: rsqrtss and rsqrtps are off by at most 1.5
+// Included before a kernel when it is verified
+// (generator/evidence/verification/worst_estimates.py), and in no other build: in place of x86's
+// instructions that estimate 1 / sqrt(x), the root itself, off by as much as their specification
+// allows. Intel's manual: rsqrtss and rsqrtps are off by at most 1.5
 // * 2^-12 of the root and take denormal floats for zero; vrsqrt14 is off by at most 2^-14. CPUs of
 // different makers differ within that.
 #ifndef CAROM_BENCH_WORST_ESTIMATES_H_

@@ -72,7 +72,7 @@ def modelled(bench: Workbench, candidate: Candidate, target: Target, cases: Arra
 
     texts = sorted(candidate.sources.items())
     tools = (compiler.version, flags, require_mca().version, bench.tool.executable.name)
-    key = key_of(texts, tools, target.row.mca_cpu, chosen, wide, REPLAYED)
+    key = key_of(texts, tools, target.row.mca_cpu, target.row.decoded, chosen, wide, REPLAYED)
     return Modelled(**bench.store.kept("llvm-mca figures", key, make))
 
 
@@ -107,9 +107,10 @@ def replayed(
         runner = bench.emulated or bench.tool
         runner.run_kernel(library.path, cases, batch=batch, trace=trace)
         ran = kernel.instructions(trace)
+        decoded = kernel.decoded_again(trace, target.row.decoded)
     return Modelled(
         cpu=target.row.mca_cpu,
-        cycles=replayed_cycles(ran, target) / len(cases),
+        cycles=replayed_cycles(ran, target, decoded) / len(cases),
         instructions=len(ran) / len(cases),
         cases=len(cases),
         version=require_mca().version,

@@ -26,6 +26,7 @@ class TargetRow(BaseModel):
     march: str
     march_gcc_fallback: str | None = None
     mca_cpu: str
+    decoded: int = 0  # instructions that its cache of decoded ones holds; 0: that is not modelled
     vector_bits: int
     vector_registers: int
 

@@ -8,6 +8,7 @@ AArch64.
 from __future__ import annotations
 
 import re
+from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -133,6 +134,27 @@ class TracedKernel:
         if not 0 < len(numbers) < MOST_BLOCKS:
             raise KernelError(f"{self.job.label}: a trace of {len(numbers)} blocks is of no use")
         return [line for n in numbers for line in self.blocks[n]]
+
+    def decoded_again(self, trace: Path, capacity: int) -> int:
+        """How many of the instructions that ran a cache of `capacity` decoded ones does not hold.
+
+        It keeps whole blocks, those that ran last; 0 where the capacity is not known.
+        """
+        if not capacity:
+            return 0
+        sizes = [len(block) for block in self.blocks]
+        kept: OrderedDict[int, None] = OrderedDict()
+        held = again = 0
+        for number in np.fromfile(trace, dtype=np.uint32).tolist():
+            if number in kept:
+                kept.move_to_end(number)
+                continue
+            kept[number] = None
+            again += sizes[number]
+            held += sizes[number]
+            while held > capacity:
+                held -= sizes[kept.popitem(last=False)[0]]
+        return again
 
 
 def instrumented(assembly: str, arch: str) -> tuple[str, tuple[tuple[str, ...], ...]]:

@@ -9,7 +9,7 @@ a CPU. Nothing is timed.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -22,7 +22,8 @@ from generator.choice.model_error import MODEL_ERROR, model_band
 from generator.choice.modelling import model_all
 from generator.choice.workbench import Workbench
 from generator.evidence.records.evidence import Timings, key_of_kernel, read_timings
-from generator.registry.variant import Variant, budget_of
+from generator.registry.question import Contest
+from generator.registry.variant import Variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
@@ -33,10 +34,10 @@ NEAR = 1.25  # kernels that matter for a choice
 GOALS = ("n1000", "e1m06")
 # Each question once in `./check`, by the contact model in which more recipes are apart.
 SOME = {
-    "pooltool/n1000/scalar",
-    "pooltool/n1000/batch",
-    "mathavan2014/e1m06/scalar",
-    "mathavan2014/e1m06/batch",
+    "ball-ball/any/pooltool-n1000-scalar",
+    "ball-ball/any/pooltool-n1000-batch",
+    "ball-ball/any/mathavan2014-e1m06-scalar",
+    "ball-ball/any/mathavan2014-e1m06-batch",
 }
 
 
@@ -56,33 +57,33 @@ def bench() -> Workbench:
     return Workbench(bench_tool(), CACHE.parent, {c.code: c for c in find_compilers()})
 
 
-def contests(all_of_them: bool) -> list[tuple[str, str]]:
+def contests(all_of_them: bool) -> list[tuple[str, Contest]]:
     return [
         (cpu, contest)
         for cpu in sorted(timings().by_cpu)
         for contest in timings().contests(cpu)
-        for scene, _, rest in [contest.partition("/")]
-        if scene == "any" and contest.split("/")[2] in GOALS and (all_of_them or rest in SOME)
+        if contest.scene == "any" and str(contest.goal) in GOALS
+        if all_of_them or str(contest) in SOME
     ]
 
 
-def recorded(cpu: str, contest: str) -> list[Recorded]:
+def recorded(cpu: str, contest: Contest) -> list[Recorded]:
     """The main job's candidates that the CPU has timed, the fastest first."""
     target, codes = find_target(cpu), list(bench().compilers)
-    scene, model, goal, call = contest.split("/")
-    if call == "batch":
-        single = recorded(cpu, f"{scene}/{model}/{goal}/scalar")[0].variant
+    scene, model, goal = contest.scene, contest.model, contest.goal
+    if contest.call == "batch":
+        single = recorded(cpu, replace(contest, call="scalar"))[0].variant
         variants = batch_candidates(single, target, codes)
-    elif goal.startswith("n"):
-        variants = fixed_step_candidates(target, scene, model, int(goal[1:]), codes)
+    elif goal.steps is not None:
+        variants = fixed_step_candidates(target, scene, model, goal.steps, codes)
     else:
-        variants = exact_candidates(target, scene, model, budget_of(goal), codes)
+        variants = exact_candidates(target, scene, model, goal.budget, codes)
     there = timings().contest(cpu, contest)
     found = [
-        Recorded(variant, there[recipe].ratio)
+        Recorded(variant, there[kernel].ratio)
         for variant in variants
-        for _, recipe in [key_of_kernel(variant, call == "batch")]
-        if recipe in there
+        for _, kernel in [key_of_kernel(variant)]
+        if kernel in there
     ]
     return sorted(found, key=lambda each: each.ratio)
 
@@ -91,33 +92,34 @@ def representatives(kernels: Sequence[Recorded]) -> list[Recorded]:
     """The fastest of each option, the fastest of all first; of some that are the same, one."""
     first: dict[tuple[str, str], Recorded] = {}
     for each in kernels:
-        options = {**each.variant.mapping(), "stepper": each.variant.stepper.name}
+        options = {**dict(each.variant.options), "stepper": each.variant.stepper.name}
         for option in {**options, "width": str(each.variant.width)}.items():
             first.setdefault(option, each)
     return [each for each in kernels if any(each is one for one in first.values())]
 
 
-def modelled(cpu: str, contest: str, kernels: Sequence[Recorded]) -> list[tuple[float, Recorded]]:
+def modelled(
+    cpu: str, contest: Contest, kernels: Sequence[Recorded]
+) -> list[tuple[float, Recorded]]:
     """Cycles of each kernel that llvm-mca can tell of, the fewest first."""
     target = find_target(cpu)
-    scene, model, _, call = contest.split("/")
-    cases = bench().batch_cases if call == "batch" else bench().timing_cases
+    cases = bench().batch_cases if contest.call == "batch" else bench().timing_cases
     candidates = bench().prepare([each.variant for each in kernels], target)
-    model_all(bench(), candidates, target, cases(scene, model))
+    model_all(bench(), candidates, target, cases(contest.scene, contest.model))
     for candidate in candidates:
         assert candidate.modelled is not None, f"{candidate.name}: {candidate.rejected}"
     pairs = zip((c.modelled.cycles for c in candidates if c.modelled), kernels, strict=True)
     return sorted(pairs, key=lambda pair: pair[0])
 
 
-def pick(order: Sequence[tuple[float, Recorded]], call: str) -> Recorded:
+def pick(order: Sequence[tuple[float, Recorded]]) -> Recorded:
     """As choose_by_model: of what is told apart by nothing the recipe that has won most often."""
     least = order[0][0]
     near = [each for cycles, each in order if cycles <= least * (1 + model_band(each.variant))]
-    return max(near, key=lambda each: timings().wins(each.variant, call == "batch"))
+    return max(near, key=lambda each: timings().wins(each.variant))
 
 
-def judged(cpu: str, contest: str, kernels: Sequence[Recorded]) -> list[tuple[float, Recorded]]:
+def judged(cpu: str, contest: Contest, kernels: Sequence[Recorded]) -> list[tuple[float, Recorded]]:
     """Modelled, printed and held to what the model is for: the one it picks is fast."""
     if find_mca() is None:
         pytest.skip("no llvm-mca on this machine")
@@ -130,7 +132,7 @@ def judged(cpu: str, contest: str, kernels: Sequence[Recorded]) -> list[tuple[fl
         width = f"{each.variant.stepper.name} x{each.variant.width}"
         print(f"{cycles:9.0f} cycles, recorded {each.ratio:.4f}: {width} {options}")
     alone = order[0][1].ratio / fastest
-    picked = pick(order, call=contest.split("/")[3]).ratio / fastest
+    picked = pick(order).ratio / fastest
     rank = kendalltau([c for c, _ in order], [each.ratio for _, each in order]).statistic
     print(f"{cpu} {contest}: {len(order)} kernels, Kendall's tau {rank:.2f}; the model's pick")
     print(f"takes {alone:.3f} of the fastest recorded, the choice {picked:.3f}")
@@ -138,18 +140,8 @@ def judged(cpu: str, contest: str, kernels: Sequence[Recorded]) -> list[tuple[fl
     return order
 
 
-def short() -> list[object]:
-    """The contests of every check; of exact batches the model is known to miss the bar."""
-    missed = "the model takes exact lanes of s2 for faster than i1: 1.41 on zen3, 1.22 on zen4"
-    marks = {"e1m06/batch": [pytest.mark.xfail(reason=missed, strict=True)]}
-    return [
-        pytest.param(cpu, contest, marks=marks.get("/".join(contest.split("/")[2:]), []))
-        for cpu, contest in contests(all_of_them=False)
-    ]
-
-
-@pytest.mark.parametrize(("cpu", "contest"), short())
-def test_the_models_pick_was_among_the_fastest(cpu: str, contest: str) -> None:
+@pytest.mark.parametrize(("cpu", "contest"), contests(all_of_them=False), ids=str)
+def test_the_models_pick_was_among_the_fastest(cpu: str, contest: Contest) -> None:
     judged(cpu, contest, representatives(recorded(cpu, contest)))
 
 
@@ -161,8 +153,8 @@ def test_a_cpu_has_records_to_hold_the_model_to() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("cpu", "contest"), contests(all_of_them=True))
-def test_the_model_errs_by_no_more_than_is_said(cpu: str, contest: str) -> None:
+@pytest.mark.parametrize(("cpu", "contest"), contests(all_of_them=True), ids=str)
+def test_the_model_errs_by_no_more_than_is_said(cpu: str, contest: Contest) -> None:
     order = judged(cpu, contest, recorded(cpu, contest))
     fastest = min(each.ratio for _, each in order)
     off = np.log([cycles / each.ratio for cycles, each in order])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from kernels import CACHE, EULER, bench_tool, compiler_of
@@ -14,11 +16,11 @@ from generator.registry.presets import find_preset
 from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
-from generator.toolchain.build import build
+from generator.toolchain.build import BuildJob, build
 from generator.toolchain.compilers import find_compilers
 from generator.toolchain.mca import find_mca
 from generator.toolchain.replay import replayed_cycles
-from generator.toolchain.traces import instrumented, traced
+from generator.toolchain.traces import TracedKernel, instrumented, traced
 
 TARGET = "x86-64-v3"
 
@@ -62,6 +64,18 @@ def test_blocks_end_where_control_may_leave() -> None:
     assert blocks == (("mov %rax, %rbx", "je .L2"), ("add $1, %rbx",), ("nop",), ())
     assert text.count("pushfq") == 4
     assert text.index(".L2:") < text.index("movl $3,") < text.index("\tret")
+
+
+def test_code_that_outgrows_the_cache_of_decoded_instructions_is_decoded_in_every_turn(
+    tmp_path: Path,
+) -> None:
+    job = BuildJob("turns", {}, find_compilers()[0], ())
+    blocks = (("nop",) * 3, ("nop",) * 2, ("nop",) * 4)
+    np.array([0, 1, 2] * 10, dtype=np.uint32).tofile(tmp_path / "trace")
+    kernel = TracedKernel(job, blocks)
+    again = {size: kernel.decoded_again(tmp_path / "trace", size) for size in (8, 9, 0)}
+    print(f"of 90 instructions, by what the cache holds (0: not modelled): {again}")
+    assert again == {8: 90, 9: 9, 0: 0}
 
 
 @pytest.mark.parametrize("code", ["gcc", "clang"])
