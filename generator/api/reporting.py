@@ -21,7 +21,8 @@ from ..report.figures.scene_costs import scene_costs as costs_of
 from ..report.figures.speed_error import SpeedError, measure_speed_error, speed_error_of
 from ..report.findings import Findings, findings_path, read_findings, write_findings
 from ..report.known import Known, Stored, read_stored
-from ..report.page import document_of, json_of, missing_of, render, sections_of
+from ..report.page import json_of, render
+from ..report.report import make_report
 from ..sweep.store import default_store
 from ..targets.host import Host
 from ..targets.target import Target
@@ -82,10 +83,9 @@ def report(request: ReportRequest | None = None, session: Session | None = None)
     session, asked = session or Session(), request or ReportRequest()
     model = find_model(asked.model or find_scene(asked.scene).model).name
     known = _known(_Subject(asked, *resolve_target(asked.target), model), session)
-    sections = sections_of(known)
-    document = document_of(known, sections)
-    page = render(sections, document)
-    return Reported(page, json_of(document) + "\n", missing_of(sections))
+    made = make_report(known)
+    page = render(made.document, made.plots)
+    return Reported(page, json_of(made.document) + "\n", made.missing)
 
 
 def _known(about: _Subject, session: Session) -> Known:

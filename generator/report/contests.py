@@ -53,6 +53,7 @@ class Entrant:
             "error": self.error,
             "rung": self.trial.rung,
             **{key: getattr(self, key) for key in ("tie", "front", "chosen", "why")},
+            "standing": ", ".join(k for k in ("chosen", "front", "tie") if getattr(self, k)),
         }
 
 

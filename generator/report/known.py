@@ -13,9 +13,6 @@ from ..sweep.store import read_only
 from .contests import Contest, contests_of
 from .findings import Findings, KernelFindings
 
-NOT_MEASURED = "not measured yet: ./gen report --measure"
-NO_SWEEP = "no sweep is stored for it: ./gen sweep"
-
 
 @dataclass(frozen=True)
 class Stored:
@@ -44,40 +41,9 @@ class Known:
     def kernels(self) -> tuple[KernelFindings, ...]:
         return self.findings.kernels if self.findings else ()
 
-    @property
-    def compilers(self) -> dict[str, str]:
-        """Versions by axis code, of what was measured or of the last sweep."""
-        runs = self.stored.runs
-        return dict(
-            self.findings.compilers if self.findings else runs[-1].compilers if runs else {}
-        )
-
-    @cached_property
-    def untold(self) -> dict[str, str]:
-        """What a tool could not do, once for all kernels that it failed for the same reason."""
-        roles: dict[tuple[str, str], list[str]] = {}
-        for kernel in self.kernels:
-            for what, reason in kernel.missing.items():
-                roles.setdefault((what, reason), []).append(kernel.role)
-        everyone = sum(bool(kernel.kinds) for kernel in self.kernels)
-        return {
-            f"{what} of {'all kernels' if len(own) == everyone else '; '.join(own)}": reason
-            for (what, reason), own in roles.items()
-        }
-
     @cached_property
     def contests(self) -> list[Contest]:
         return contests_of(self.stored.trials, self.stored.finals)
-
-    def unmeasured(self, section: str) -> dict[str, str]:
-        """Why a section has nothing to show that only measuring gives."""
-        return {} if self.findings else {section: NOT_MEASURED}
-
-    def unswept(self, section: str) -> dict[str, str]:
-        """Why a section has nothing to show that only a sweep gives."""
-        if not self.stored.trials:
-            return {section: NO_SWEEP}
-        return {} if self.contests else {section: "no variant of the stored sweep was timed"}
 
 
 def last_finals(finals: Iterable[Final], target: str, scene: str, model: str) -> dict[str, Final]:

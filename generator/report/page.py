@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -17,70 +17,12 @@ from markupsafe import Markup, escape
 
 from ..emission.environment import templates_folder
 from .drawing import variables
-from .known import Known
-from .layout import Code, Number, Piece, Section
-from .sections import calls, chosen, contests, effects, errors, growth, machine, modelled
-from .sections import operations as run
-from .sections import published as report
+from .plots import Plot
 
-SCHEMA = 1
 NOTHING = "\u2013"
+SHOWN_VARIANTS = 250  # of each contest in the page's tables; all are in the data
 _THIN = "\u202f"
-SECTIONS: tuple[Callable[[Known], Section], ...] = (
-    chosen.section,
-    contests.section,
-    errors.outputs,
-    errors.worst,
-    errors.kinds,
-    effects.effects,
-    growth.section,
-    run.operations,
-    run.sections,
-    modelled.section,
-    effects.compilers,
-    run.misses,
-    calls.calls,
-    calls.cpus,
-    report.section,
-    machine.section,
-)
-
-
-def sections_of(known: Known) -> list[Section]:
-    return [make(known) for make in SECTIONS]
-
-
-def missing_of(sections: Sequence[Section]) -> dict[str, str]:
-    """What is not known, and why."""
-    return {what: reason for section in sections for what, reason in section.missing.items()}
-
-
-def document_of(known: Known, sections: Sequence[Section]) -> dict[str, Any]:
-    """The data of the page, as JSON can hold it: numbers that are not finite become null.
-
-    Times are in ns for one collision, `ratio` is the time divided by that of `paper-initial` in the
-    same rounds, errors are relative to |v1 - v2| before the collision. null: not known; `missing`
-    says why, by the name of the section.
-    """
-    head = {
-        "schema": SCHEMA,
-        "title": f"Collision kernels for {known.target}",
-        "scene": known.scene,
-        "model": known.model,
-        "made_at": known.made_at,
-    }
-    found = {key: value for section in sections for key, value in section.data.items()}
-    return _plain({**head, **found, "missing": missing_of(sections)})  # type: ignore[no-any-return]
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float):
-        return float(f"{value:.6g}") if math.isfinite(value) else None
-    return value
+Column = tuple[str, ...]  # a heading, a format, and the keys that lead from a row to its value
 
 
 def json_of(document: Mapping[str, Any]) -> str:
@@ -89,24 +31,21 @@ def json_of(document: Mapping[str, Any]) -> str:
     return text.replace("</", "<\\/").replace("<!--", "<\\u0021--")
 
 
-def render(sections: Sequence[Section], document: Mapping[str, Any]) -> str:
-    """The page as HTML."""
-    empty: dict[str, list[Section]] = {}
-    for section in sections:
-        if not section.blocks:
-            empty.setdefault(section.missing.get(section.id, "nothing to show"), []).append(section)
-    return (
-        _environment()
-        .get_template("page.html.j2")
-        .render(
-            document=document,
-            sections=[section for section in sections if section.blocks],
-            empty=empty,
-            show=lambda piece: _shown(document, piece),
-            variables=Markup(variables()),  # noqa: S704 - our own colours
-            markup=Markup,
-            data=Markup(json_of(document)),  # noqa: S704 - json_of escapes what ends a script
-        )
+def render(document: Mapping[str, Any], plots: Mapping[str, Sequence[Plot]]) -> str:
+    """The page as HTML. `plots`: by the section that they stand in."""
+    cells = Cells(document)
+    page = _environment().get_template("page.html.j2")
+    return page.render(
+        d=document,
+        num=cells.number,
+        interval=cells.interval,
+        code=code,
+        table=cells.table,
+        plots=plots,
+        shown_variants=SHOWN_VARIANTS,
+        variables=Markup(variables()),  # noqa: S704 - our own colours
+        markup=Markup,
+        data=Markup(json_of(document)),  # noqa: S704 - json_of escapes what ends a script
     )
 
 
@@ -122,27 +61,79 @@ def _environment() -> Environment:
     )
 
 
-def _shown(document: Mapping[str, Any], piece: Piece) -> Markup:
-    """A text, a name that may be broken at its dots, or a number with where it comes from."""
-    if isinstance(piece, Code):
-        parts = Markup(".<wbr>").join(piece.code.split("."))
-        return Markup("<code>{}</code>").format(parts)
-    if isinstance(piece, Number):
-        return _number(document, piece)
-    return escape(piece)
+def code(name: str) -> Markup:
+    """The name of a kernel or of an option, which may be broken at its dots."""
+    return Markup("<code>{}</code>").format(Markup(".<wbr>").join(str(name).split(".")))
 
 
-def _number(document: Mapping[str, Any], number: Number) -> Markup:
-    """An element with the number, formatted as it asks, and its JSON pointer (RFC 6901)."""
-    value: Any = document
-    for step in number.path:
-        value = value[step]
-    steps = (str(step).replace("~", "~0").replace("/", "~1") for step in number.path)
-    pointer = "/" + "/".join(steps)
-    if value is None:
-        return Markup('<span class="none" data-at="{}">{}</span>').format(pointer, NOTHING)
-    shown = _FORMATS[number.format](value)
-    return Markup('<data value="{}" data-at="{}">{}</data>').format(value, pointer, shown)
+class Cells:
+    """Prints what stands in a document, numbers by their pointers."""
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        self._document = document
+
+    def _at(self, path: Iterable[str | int]) -> Any:
+        value: Any = self._document
+        for step in path:
+            value = value[step]
+        return value
+
+    def number(self, kind: str, *path: str | int) -> Markup:
+        """An element with the number, formatted as its kind is, and its pointer (RFC 6901)."""
+        value = self._at(path)
+        steps = (str(step).replace("~", "~0").replace("/", "~1") for step in path)
+        pointer = "/" + "/".join(steps)
+        if value is None:
+            return Markup('<span class="none" data-at="{}">{}</span>').format(pointer, NOTHING)
+        shown = _FORMATS[kind](value)
+        return Markup('<data value="{}" data-at="{}">{}</data>').format(value, pointer, shown)
+
+    def interval(self, *path: str | int) -> Markup:
+        low, high = (self.number("ratio", *path, end) for end in (0, 1))
+        return Markup("{} to {}").format(low, high)
+
+    def table(
+        self,
+        at: Sequence[str | int],
+        columns: Sequence[Column],
+        caption: str = "",
+        groups: Sequence[tuple[str, int]] = (),
+        rows: Iterable[int] | None = None,
+    ) -> Markup:
+        """A row for each record of the list at a path, or for those with the numbers `rows`.
+
+        `groups`: texts above the heads, and how many columns each is wide.
+        """
+        numbers = range(len(self._at(at))) if rows is None else rows
+        heads = [(head, kind in _FORMATS) for head, kind, *_ in columns]
+        cells = [[self._cell((*at, n), *column[1:]) for column in columns] for n in numbers]
+        table = _environment().get_template("table.html.j2")
+        text = table.render(heads=heads, rows=cells, caption=caption, groups=groups)
+        return Markup(text)  # noqa: S704 - escaped by the template
+
+    def _cell(self, at: Sequence[str | int], kind: str, *path: str | int) -> Markup:
+        """The value of a record; nothing where the record has no such entry."""
+        place = (*at, *path)
+        holder = self._at(place[:-1])
+        if isinstance(holder, Mapping) and place[-1] not in holder:
+            return Markup()
+        if kind == "ratio_ci":
+            shown = self.number("ratio", *place)
+            ends = (*place[:-1], "ratio_ci")
+            has = self._at(ends) is not None
+            return Markup("{} ({})").format(shown, self.interval(*ends)) if has else shown
+        if kind in _FORMATS:
+            return self.number(kind, *place)
+        value = holder[place[-1]]
+        if kind == "pairs":
+            each = (
+                Markup("{}\u00a0{}").format(key, self.number("mean", *place, key)) for key in value
+            )
+            return Markup(", ").join(each)
+        if kind == "code":
+            names = [value] if isinstance(value, str) else value
+            return Markup(" ").join(code(name) for name in names)
+        return escape(value)
 
 
 def _significant(value: float, digits: int) -> str:
@@ -157,6 +148,7 @@ _FORMATS: dict[str, Callable[[float], str]] = {
     "ns": lambda v: _significant(v, 4),
     "cycles": lambda v: _significant(v, 4),
     "ratio": lambda v: _significant(v, 4),
+    "ratio_ci": lambda v: _significant(v, 4),
     "times": lambda v: _significant(v, 3),
     "error": lambda v: f"{v:.1e}" if v else "0",
     "count": lambda v: f"{v:,.0f}".replace(",", _THIN),

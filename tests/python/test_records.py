@@ -26,7 +26,7 @@ from generator.evidence.verification.verdict import Verdict
 from generator.registry.names import name_of, variant_from, variant_of
 from generator.registry.question import Contest, Goal
 from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
-from generator.report.sections.calls import cpu_costs
+from generator.report.sections.cpus import cpu_costs
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.replay import Modelled

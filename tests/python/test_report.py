@@ -30,8 +30,9 @@ from generator.report.experiments.accuracy import kinds_of
 from generator.report.experiments.subjects import BASELINE, BEST, EULER, Subject, calls
 from generator.report.findings import Findings, findings_path, read_findings, write_findings
 from generator.report.known import Known, last_finals
-from generator.report.page import document_of, missing_of, render, sections_of
+from generator.report.page import render
 from generator.report.plots import ASIDE, SIDE, Mark, side_by_side
+from generator.report.report import make_report
 from generator.report.sections.effects import Effect, effects_of, one_each
 from generator.report.sections.published import NUMBA_CYCLES
 from generator.sweep.record import Final, Trial
@@ -238,7 +239,7 @@ def test_measurements_of_other_sources_are_named(tmp_path: Path) -> None:
 
     def missing(sources: str) -> dict[str, str]:
         told = findings.model_copy(update={"sources": sources})
-        return missing_of(sections_of(known(told)))
+        return make_report(known(told)).missing
 
     assert "age" not in missing(findings.sources)
     assert "other sources of carom" in missing("changed")["age"]
@@ -410,13 +411,13 @@ def test_what_is_not_known_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     write_findings(findings_path(tmp_path, TARGET, "any", "mathavan2014"), make_findings(TARGET))
     assert _run("report", "--target", TARGET, "--out", page).exit_code == 0
     text = page.read_text("utf-8")
-    assert "No sweep is stored for it: ./gen sweep" in text
+    assert "Not known: no sweep is stored for it: ./gen sweep" in text
     store = make_store(tmp_path / "sweep.sqlite", TARGET, 60)
     findings_path(tmp_path, TARGET, "any", "mathavan2014").unlink()
     assert _run("report", "--target", TARGET, "--out", page).exit_code == 0
     text = page.read_text("utf-8")
     page_text = text.partition('<script type="application/json"')[0]
-    assert page_text.count("Not measured yet: ./gen report --measure") == 1
+    assert page_text.count("Not known: not measured yet: ./gen report --measure") == 1
     assert "Sections of the kernel" in page_text
     assert page_text.count("<section ") == 7
     assert store.trials > 60
@@ -457,8 +458,8 @@ def test_kernels_with_markup_in_their_text_do_not_break_the_page() -> None:
     findings = make_findings(TARGET)
     kernels = (findings.kernels[0].model_copy(update={"missing": {"x": "</script><b>&"}}),)
     told = known(findings.model_copy(update={"kernels": kernels}), "<b>")
-    sections = sections_of(told)
-    text = render(sections, document_of(told, sections))
+    report = make_report(told)
+    text = render(report.document, report.plots)
     assert "</script><b>" not in text
     assert text.count("</script>") == 1
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...choice.verifying import Expected
 from ...evidence.timing.bench_tool import BenchTool
@@ -23,6 +25,7 @@ from ...evidence.verification.errors import (
 from ...evidence.verification.reference import OUTCOME_NAMES
 from ..findings import WorstInput
 
+Rows = NDArray[np.int_]
 _SPIN_COLUMNS = [n for n, name in enumerate(OUTCOME_NAMES) if name.startswith("w")]
 
 
@@ -71,7 +74,7 @@ def _by_output(cases: Array, got: Array, exact: Array) -> dict[str, float]:
     return {name: float(relative[:, n].max()) for n, name in enumerate(OUTCOME_NAMES)}
 
 
-def kinds_of(labels: tuple[str, ...]) -> dict[str, Array]:
+def kinds_of(labels: Sequence[str]) -> dict[str, Rows]:
     """Rows of each kind, by the kind that a label ends with; the paper's single cases as one."""
     found: dict[str, list[int]] = {}
     for row, label in enumerate(labels):

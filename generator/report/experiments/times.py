@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from ...registry.names import name_of
 from ...registry.variant import fixed_steps
 from ...targets.target import Target
 from ..findings import CallPoint, GrowthPoint, Modelled
-from .accuracy import Accuracy, accuracy_of, kinds_of
+from .accuracy import Accuracy, Rows, accuracy_of
 from .profile import Profile
 from .subjects import BASELINE, EULER, Called, Subject
 
@@ -65,10 +65,13 @@ def time_all(
 
 
 def time_kinds(
-    bench: Workbench, featured: Sequence[Study], expected: Expected, seconds: float
+    bench: Workbench,
+    featured: Sequence[Study],
+    kinds: Mapping[str, Rows],
+    cases: Array,
+    seconds: float,
 ) -> dict[str, dict[str, float]]:
     """ns by kind and kernel name, all kernels interleaved on the cases of one kind."""
-    kinds = kinds_of(expected.labels)
     unique = {s.candidate.name: s.candidate for s in featured}
     kernels = tuple(
         PlannedKernel(name, c.library.path) for name, c in unique.items() if c.library is not None
@@ -77,9 +80,9 @@ def time_kinds(
     for index, (kind, rows) in enumerate(kinds.items()):
         bench.progress("timing kind by kind", index, len(kinds))
         # A list shorter than a window is timed over and over.
-        cases = expected.cases[np.resize(rows, max(16, min(len(rows), KIND_CASES)))]
+        own = cases[np.resize(rows, max(16, min(len(rows), KIND_CASES)))]
         share = max(0.3, seconds / len(kinds))
-        plan = TimingPlan(cases, kernels, kernels[0].name, rounds=200, seconds=share)
+        plan = TimingPlan(own, kernels, kernels[0].name, rounds=200, seconds=share)
         found[kind] = {r.name: r.ns for r in timing_results(bench.tool.time(plan))}
     return found
 

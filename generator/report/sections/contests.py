@@ -1,4 +1,4 @@
-"""Time against error: one mark for each variant that was timed, and the variants as tables."""
+"""Time against error: one mark for each variant that was timed."""
 
 from __future__ import annotations
 
@@ -10,26 +10,8 @@ from ..contests import MORE_EXACT, Contest, Entrant, summary_of
 from ..drawing import COLOURS
 from ..experiments.subjects import BASELINE, BEST, EULER
 from ..known import Known
-from ..layout import (
-    Block,
-    Code,
-    Column,
-    Details,
-    Number,
-    Paragraph,
-    Piece,
-    Plots,
-    Section,
-    Table,
-    interval,
-    number,
-    ratio,
-    records,
-    text,
-)
 from ..plots import Key, Mark, Plot, Scatter, nanoseconds, scatter
 
-SHOWN_VARIANTS = 250  # of each contest in the page's tables; all are in the data
 _COMPILERS = {"gcc": ("o", "GCC"), "clang": ("s", "Clang, newest")}
 _COMPILERS |= {"clangold": ("^", "Clang, the system's")}
 _POINTS = {
@@ -41,112 +23,16 @@ _FRONT = Key("dashed", None, "Pareto front: no other is faster and more exact")
 _TIE = Key("ring", None, "ties with the fastest")
 _CHOSEN = Key("box", None, "chosen; a mark below it says why it was not")
 _LABEL = "largest error{}, relative to |v1 \u2212 v2|"
-_TEXT = (
-    "One mark for each variant that was timed; point at it for its options, or see the tables. "
-    "Ratios of different variants were taken against paper-initial in the same rounds. Marks that "
-    "would hide each other stand side by side, by a tenth of a decade at most: the exact error is "
-    "in the text of a mark and in the tables."
-)
 
 
-def section(known: Known) -> Section:
-    rows = [contest.row() for contest in known.contests]
-    points = points_of(known)
-    missing = known.unswept("contests")
-    blocks: list[Block] = [Paragraph([_TEXT]), *_not_known(missing)]
-    blocks.append(Plots(_plots(known, points)))
-    blocks += [_points_table(points)] if points else []
-    blocks += [_table(n, row) for n, row in enumerate(rows)]
-    data: dict[str, Any] = {"contests": rows, "points": points, "sweep": None}
-    if known.stored.trials:
-        times = sorted(trial.made_at for trial in known.stored.trials)
+def data(known: Known) -> dict[str, Any]:
+    found: dict[str, Any] = {"contests": [contest.row() for contest in known.contests]}
+    found |= {"points": points_of(known), "sweep": None}
+    if trials := known.stored.trials:
+        times = sorted(trial.made_at for trial in trials)
         commands = [*dict.fromkeys(run.command for run in known.stored.runs)]
-        data["sweep"] = {
-            "commands": commands,
-            "from_to": (times[0], times[-1]),
-            **summary_of(known.stored.trials),
-        }
-        blocks += _summary(data["sweep"])
-    shown = blocks if rows or points else []
-    return Section("contests", "Time and error", "Time against error", data, shown, missing)
-
-
-def _not_known(missing: dict[str, str]) -> list[Block]:
-    return [Paragraph(["Not known: ", reason], "note") for reason in missing.values()]
-
-
-def _points_table(points: Sequence[dict[str, Any]]) -> Block:
-    columns = [
-        text("kernel", "label"),
-        number("time, ns", "ns", "ns"),
-        number("of paper-initial", "ratio", "ratio"),
-        number("error to the exact result", "error", "error"),
-    ]
-    caption = "Kernels of the first plot that are no trials of a sweep"
-    return records(("points",), points, columns, caption)
-
-
-def _table(n: int, row: dict[str, Any]) -> Block:
-    """The fastest variants of a contest, its front and its ties; what beat the chosen, and why."""
-    at = ("contests", n)
-    columns = [
-        Column("", lambda _, v: [_standing(v)]),
-        number("time, ns", "ns", "ns"),
-        ratio("of paper-initial (95 %)"),
-        number("error", "error", "error"),
-        text("stepper", "stepper"),
-        number("lanes", "count", "width"),
-        *(Column(key, _option(index)) for index, key in enumerate(row["axes"])),
-        text("why it was not chosen", "why"),
-    ]
-    variants = row["variants"]
-    cells = [
-        [column.cell((*at, "variants", index), v) for column in columns]
-        for index, v in enumerate(variants)
-        if index < SHOWN_VARIANTS or v["front"] or v["tie"] or v["chosen"]
-    ]
-    right = frozenset(index for index, column in enumerate(columns) if column.numeric)
-    lanes = f", {row['call']} calls" if row["call"] == "batch" else ""
-    summary = f"{row['goal']}{lanes}: {len(cells)} of {len(variants)} variants, fastest first"
-    found: list[Block] = [
-        Paragraph([f"Errors against {row['against']}."], "soft"),
-        Table([column.head for column in columns], cells, right),
-    ]
-    if row["band"]:
-        band: list[Piece] = [
-            "Ratios that cannot be told from the fastest: ",
-            *interval((*at, "band")),
-            ".",
-        ]
-        found.insert(1, Paragraph(band, "soft"))
-    return Details(summary, found)
-
-
-def _standing(v: Any) -> str:
-    return ", ".join(word for word in ("chosen", "front", "tie") if v[word])
-
-
-def _option(index: int) -> Any:
-    return lambda _, v: [v["options"][index]]
-
-
-def _summary(sweep: dict[str, Any]) -> list[Block]:
-    def count(name: str) -> Number:
-        return Number("count", ("sweep", name))
-
-    pieces: list[Piece] = ["The store holds ", count("trials"), " trials of ", count("variants")]
-    pieces += [" variants, of which ", count("timed"), " were timed"]
-    pieces += ["" if sweep["rejected"] else "; none was rejected", ". Not shown: "]
-    pieces += [count("longer"), " that were timed again for longer, and ", count("outdated")]
-    pieces.append(" whose sources, compiler, cases or rules have changed since.")
-    found: list[Block] = [Paragraph(pieces)]
-    if sweep["rejected"]:
-        rows = [
-            [[reason], [Number("count", ("sweep", "rejected", reason))], [Code(text)]]
-            for reason, text in sweep["examples"].items()
-        ]
-        caption = "Variants that were rejected before any timing"
-        found.append(Table(["reason", "variants", "one of them"], rows, frozenset({1}), caption))
+        found["sweep"] = {"commands": commands, "from_to": (times[0], times[-1])}
+        found["sweep"] |= summary_of(trials)
     return found
 
 
@@ -188,7 +74,7 @@ def _base_ns(known: Known) -> float | None:
     return bases[len(bases) // 2] if bases else None
 
 
-def _plots(known: Known, points: Sequence[dict[str, Any]]) -> list[Plot]:
+def contest_plots(known: Known, points: Sequence[dict[str, Any]]) -> list[Plot]:
     base = _base_ns(known)
     found = []
     numbered = list(enumerate(known.contests))

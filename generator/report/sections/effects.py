@@ -12,19 +12,6 @@ from ...evidence.timing.ratios import median_interval
 from ...registry.axes import Axis, axis
 from ..contests import Contest
 from ..drawing import Note
-from ..known import Known
-from ..layout import (
-    Block,
-    Column,
-    Details,
-    Paragraph,
-    Plots,
-    Section,
-    number,
-    ratio,
-    records,
-    text,
-)
 from ..plots import Key, Plot, Row, Rows, ratio_rows
 
 FEWEST_PAIRS = 6  # with fewer, no interval of order statistics holds the median in 95 %
@@ -32,70 +19,16 @@ FASTER, SLOWER, UNTOLD = 0, 5, 7  # colours
 Effect = dict[str, Any]
 
 
-def effects(known: Known) -> Section:
-    rows = effects_of(known.contests)
-    columns = [
-        text("kernels", "family"),
-        text("option", "axis"),
-        text("with", "code"),
-        text("without", "other"),
-        number("pairs", "count", "pairs"),
-        ratio("ratio (95 %)"),
-        text("meaning", "text"),
-    ]
-    blocks: list[Block] = [
-        Paragraph(
-            [
-                "Pairs of timed variants of a contest that differ in this option alone: time with "
-                f"it over time without. Below 1 is faster. With fewer than {FEWEST_PAIRS} pairs "
-                "the interval is their range."
-            ]
-        ),
-        Plots([_plot(family, rows) for family in dict.fromkeys(row["family"] for row in rows)]),
-        Details("All pairs of codes", [records(("effects",), rows, columns)]),
-    ]
-    title, missing = "What each option does by itself", known.unswept("effects")
-    if not rows and not missing:
-        missing = {"effects": "no two timed variants of the store differ in one option alone"}
-    return Section("effects", "Options", title, {"effects": rows}, blocks if rows else [], missing)
-
-
-def compilers(known: Known) -> Section:
-    rows = effects_of(known.contests, only="compiler")
-    versions = known.compilers
-
-    def named(head: str, key: str) -> Column:
-        return Column(head, lambda _, row: [f"{row[key]}: {versions.get(row[key], row[key])}"])
-
-    columns = [
-        text("kernels", "family"),
-        named("with", "code"),
-        named("without", "other"),
-        number("pairs", "count", "pairs"),
-        ratio("ratio (95 %)"),
-    ]
-    blocks: list[Block] = [
-        Paragraph(["Pairs of variants that differ in the compiler alone."]),
-        records(("compilers",), rows, columns),
-    ]
-    title, missing = "GCC against Clang", known.unswept("compilers")
-    if not rows and not missing:
-        missing = {"compilers": "no two timed variants of the store differ in the compiler alone"}
-    data = {"compilers": rows}
-    return Section("compilers", "Compilers", title, data, blocks if rows else [], missing)
-
-
-def effects_of(contests: Iterable[Contest], only: str | None = None) -> list[Effect]:
+def effects_of(contests: Iterable[Contest]) -> list[Effect]:
     """For each pair of codes of an axis: the ratio of times over variants equal in all else.
 
-    `only`: this axis alone. Contests of a family are taken together, pairs never cross contests.
+    Contests of a family are taken together, pairs never cross contests.
     """
     ratios: dict[tuple[str, str, str, str], list[float]] = defaultdict(list)
     for contest in contests:
         for index, key in enumerate(contest.axes):
-            if only is None or key == only:
-                for code, other, found in _pairs(contest, index):
-                    ratios[contest.family, key, code, other].append(found)
+            for code, other, found in _pairs(contest, index):
+                ratios[contest.family, key, code, other].append(found)
     return [_effect(*key, values) for key, values in sorted(ratios.items(), key=_order)]
 
 
@@ -166,31 +99,33 @@ def one_each(effects: Iterable[Effect]) -> list[Effect]:
     return list(found.values())
 
 
-def _plot(family: str, effects: Sequence[Effect]) -> Plot:
+def effect_plots(effects: Sequence[Effect]) -> list[Plot]:
     """A row for each option; all pairs are in the table."""
-    rows = []
-    for effect in one_each(e for e in effects if e["family"] == family):
-        low, high = effect["ratio_ci"]
-        told = FASTER if high < 1 else SLOWER if low > 1 else UNTOLD
-        words = (
-            f"{effect['text']}\n{effect['ratio']:.4g} ({low:.4g} to {high:.4g}), "
-            f"{effect['pairs']} pairs"
-        )
-        rows.append(
-            Row(
-                f"{effect['axis']}: {effect['code']}, not {effect['other']}",
-                [effect["ratio"]],
-                [Note(words, f"/effects/{effects.index(effect)}")],
-                (low, high),
-                told if effect["pairs"] >= FEWEST_PAIRS else UNTOLD,
-            )
-        )
     legend = [
         Key("bar", FASTER, "faster"),
         Key("bar", SLOWER, "slower"),
         Key("bar", UNTOLD, f"cannot be told, or fewer than {FEWEST_PAIRS} pairs"),
         Key("line", None, "interval"),
     ]
-    title = f"What each option does by itself ({family} kernels)"
     label = "time with the option / time without, median of pairs and 95 % interval"
-    return ratio_rows(Rows(f"effects-{family}", title, label, rows, legend, ("ratio",)))
+    found = []
+    for family in dict.fromkeys(effect["family"] for effect in effects):
+        own = one_each(effect for effect in effects if effect["family"] == family)
+        rows = [_row(effect, f"/effects/{effects.index(effect)}") for effect in own]
+        title = f"What each option does by itself ({family} kernels)"
+        asked = Rows(f"effects-{family}", title, label, rows, legend, ("ratio",))
+        found.append(ratio_rows(asked))
+    return found
+
+
+def _row(effect: Effect, at: str) -> Row:
+    low, high = effect["ratio_ci"]
+    told = FASTER if high < 1 else SLOWER if low > 1 else UNTOLD
+    ratio, pairs = f"{effect['ratio']:.4g} ({low:.4g} to {high:.4g})", f"{effect['pairs']} pairs"
+    return Row(
+        f"{effect['axis']}: {effect['code']}, not {effect['other']}",
+        [effect["ratio"]],
+        [Note(f"{effect['text']}\n{ratio}, {pairs}", at)],
+        (low, high),
+        told if effect["pairs"] >= FEWEST_PAIRS else UNTOLD,
+    )
