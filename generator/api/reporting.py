@@ -158,7 +158,7 @@ def measure_plot(
     require_runs(host, resolved)
     with session.workbench() as bench:
         place = session.generated
-        return measure_speed_error(bench, place, resolved, host, scene, known, seconds)
+        return measure_speed_error(bench, place, resolved, scene, known, seconds)
 
 
 def plot_text(measured: SpeedError) -> tuple[str, str]:

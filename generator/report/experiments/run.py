@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -19,8 +19,6 @@ from ...choice.workbench import (
 from ...errors import KernelError
 from ...evidence.timing.ratios import control_band
 from ...evidence.verification.errors import Array
-from ...evidence.verification.scene_cases import cases_for_scene
-from ...impacts.ball_ball.scene import find_scene
 from ...targets.host import Host
 from ...targets.target import Target, targets
 from ..findings import Findings, KernelFindings, KindFindings, sources_hash
@@ -91,21 +89,19 @@ def _measured(
     scene, target, seconds = order.scene, order.target, order.seconds
     schedule.next()
     studies, expected = _verified(bench, found, order)
-    made = bench.tool.make_cases(TIMING_SEED, TIMING_CASES).rows
-    timing = cases_for_scene(find_scene(scene), made, order.model)
+    timing = bench.timing_cases(scene, order.model)
     schedule.next()
     run = time_all(bench, studies, timing, scene, seconds)
     schedule.next()
     featured = [s for s in studies if s.subject.featured and not s.candidate.rejected]
-    for index, study in enumerate(featured):
-        bench.progress("errors, counts, sections and misses", index, len(featured))
-        _look_into(bench, study, expected, order.host, timing[:PROFILED_CASES])
+    profiled = timing[:PROFILED_CASES]
+    for study in _told(bench, "errors, counts, sections and misses", featured):
+        _look_into(bench, study, expected, order.host, profiled)
     schedule.next()
     kinds = kinds_of(expected.labels[: len(expected.cases)])  # not of the hard ones, which follow
     times = time_kinds(bench, featured, kinds, expected.cases, seconds)
     schedule.next()
-    for index, study in enumerate(featured):
-        bench.progress("llvm-mca on every target", index, len(featured))
+    for study in _told(bench, "llvm-mca on every target", featured):
         study.modelled = modelled(bench, study.subject.variant, order.host, timing)
     schedule.next()
     growth = growth_of(bench, studies, target, timing, expected, seconds)
@@ -133,6 +129,13 @@ def _measured(
         growth=tuple(growth),
         calls=tuple(calls),
     )
+
+
+def _told(bench: Workbench, what: str, studies: Sequence[Study]) -> Iterator[Study]:
+    """One after the other, each told as it begins."""
+    for index, study in enumerate(studies):
+        bench.progress(what, index, len(studies))
+        yield study
 
 
 def _look_into(

@@ -108,44 +108,30 @@ def growth_of(
     candidates = bench.prepare([variant for _, _, variant in rows], target)
     bench.compile(candidates)
     named = [
-        (role, steps, c)
+        (role, steps, PlannedKernel(c.name, c.library.path))
         for (role, steps, _), c in zip(rows, candidates, strict=True)
         if c.library is not None
     ]
     first = studies[0]
-    assert first.timed is not None
+    if first.timed is None or first.candidate.library is None:
+        return []
+    base = PlannedKernel(first.candidate.name, first.candidate.library.path)
     ratios: dict[str, float] = {}
     for slow in (False, True):
-        own = {first.candidate.name: first.candidate}
-        own |= {c.name: c for _, steps, c in named if (steps >= SLOW) == slow}
-        kernels = tuple(PlannedKernel(n, c.library.path) for n, c in own.items() if c.library)
+        own = {base.name: base}
+        own |= {kernel.name: kernel for _, steps, kernel in named if (steps >= SLOW) == slow}
+        kernels = tuple(own.values())
         bench.progress("timing growth with N", int(slow), 2)
-        plan = TimingPlan(cases, kernels, first.candidate.name, rounds=200, seconds=seconds / 2)
+        plan = TimingPlan(cases, kernels, base.name, rounds=200, seconds=seconds / 2)
         ratios |= {r.name: r.ratio for r in timing_results(bench.tool.time(plan))}
-    times = {name: ratio * first.timed.ns for name, ratio in ratios.items()}
     few = _some_rows(expected, slice(0, expected.reference_rows or 500))
-    return [
-        _point(bench, role, n, c, few if n >= SLOW else expected, times) for role, n, c in named
-    ]
-
-
-def _point(
-    bench: Workbench,
-    role: str,
-    steps: int,
-    candidate: Candidate,
-    expected: Expected,
-    times: dict[str, float],
-) -> GrowthPoint:
-    assert candidate.library is not None
-    accuracy = accuracy_of(bench.tool, candidate.library.path, expected)
-    return GrowthPoint(
-        role=role,
-        steps=steps,
-        ns=times[candidate.name],
-        error=accuracy.largest,
-        slipping_error=accuracy.slipping,
-    )
+    found = []
+    for role, steps, kernel in named:
+        accuracy = accuracy_of(bench.tool, kernel.library, few if steps >= SLOW else expected)
+        ns = ratios[kernel.name] * first.timed.ns
+        errors = {"error": accuracy.largest, "slipping_error": accuracy.slipping}
+        found.append(GrowthPoint(role=role, steps=steps, ns=ns, **errors))
+    return found
 
 
 def _some_rows(expected: Expected, rows: slice) -> Expected:

@@ -23,7 +23,7 @@ from ...registry.rules import broken_rule
 from ...registry.variant import Stepper, Variant, fixed_steps, make_variant
 from ...steppers.exact.budgets import tableaus_for
 from ...tableaus.tableaus import TABLEAUS
-from ...targets.host import Host
+from ...targets.host import read_host
 from ...targets.target import Target
 
 BASELINE_STEPS = 1000
@@ -83,6 +83,7 @@ class Entry:
 
     group: Group
     candidate: Candidate
+    library: Path
     error: float = float("nan")
     slipping_error: float = float("nan")
     cases: int = 0
@@ -108,27 +109,26 @@ def measure_speed_error(
     bench: Workbench,
     generated: Path,
     target: Target,
-    host: Host,
     scene: str,
     model: str,
     seconds: float,
 ) -> SpeedError:
     """Emit, compile, verify and time all that the picture shows."""
-    entries = _entries(bench, generated, target, scene, model)
-    bench.compile([entry.candidate for entry in entries])
-    entries = [entry for entry in entries if entry.candidate.library is not None]
+    rows = _candidates(bench, generated, target, scene, model)
+    bench.compile([candidate for _, candidate in rows])
+    entries = [Entry(group, c, c.library.path) for group, c in rows if c.library is not None]
     _find_errors(bench, entries, scene, model)
     entries = [entry for entry in entries if entry.error < 1]
     times = _times(bench, entries, seconds)
     found = [_point(entry, times[entry.candidate.name]) for entry in entries]
     versions = {code: compiler.version for code, compiler in bench.compilers.items()}
     points = _ordered(_with_the_chosen(found))
-    return SpeedError(host.cpu, target.name, scene, model, versions, points)
+    return SpeedError(read_host().cpu, target.name, scene, model, versions, points)
 
 
-def _entries(
+def _candidates(
     bench: Workbench, generated: Path, target: Target, scene: str, model: str
-) -> list[Entry]:
+) -> list[tuple[Group, Candidate]]:
     """The baseline first; a kernel that belongs to two groups is measured once, in the first."""
     codes = list(bench.compilers)
     first = baseline(target, scene, model, BASELINE_STEPS, codes)
@@ -144,7 +144,7 @@ def _entries(
     unique = {name_of(variant): (group, variant) for group, variant in reversed(labelled)}
     rows = list(reversed(unique.values()))
     candidates = bench.prepare([variant for _, variant in rows], target)
-    return [Entry(group, c) for (group, _), c in zip(rows, candidates, strict=True)]
+    return [(group, c) for (group, _), c in zip(rows, candidates, strict=True)]
 
 
 def _family(target: Target, scene: str, model: str, compiler: str) -> list[Variant]:
@@ -176,9 +176,7 @@ def _find_errors(bench: Workbench, entries: Sequence[Entry], scene: str, model: 
         bench.progress("finding errors", index, len(entries))
         if entry.slow and len(rows) == len(cases):
             rows = _hard_rows(relative, slipping, expected.reference_rows)
-        library = entry.candidate.library
-        assert library is not None
-        got = bench.tool.run_kernel(library.path, cases[rows], timeout=600.0)
+        got = bench.tool.run_kernel(entry.library, cases[rows], timeout=600.0)
         relative = errors_of(cases[rows], got, exact[rows]).relative
         relative = np.where(got[:, STATUS] == exact[rows, STATUS], relative, np.inf)
         entry.error, entry.cases = float(relative.max()), len(rows)
@@ -203,8 +201,8 @@ def _times(bench: Workbench, entries: Sequence[Entry], seconds: float) -> dict[s
     first = entries[0]
     found: dict[str, TimingResult] = {}
     for slow, share in ((False, 0.7), (True, 0.3)):
-        kernels = [e.candidate for e in entries if e.slow == slow or e is first]
-        planned = tuple(PlannedKernel(c.name, c.library.path) for c in kernels if c.library)
+        own = [e for e in entries if e.slow == slow or e is first]
+        planned = tuple(PlannedKernel(e.candidate.name, e.library) for e in own)
         bench.progress(f"timing {len(planned)} kernels for {share * seconds:.0f} s", 0, 1)
         plan = TimingPlan(
             cases, planned, first.candidate.name, rounds=1000, seconds=share * seconds
