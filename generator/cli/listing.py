@@ -8,6 +8,7 @@ import click
 
 from .. import api
 from ..errors import InputError
+from ..targets.host import read_host
 from . import options
 from .show import rows_of, session, show, three_digits
 
@@ -40,7 +41,15 @@ def list_rows(what: str, as_json: bool, cost: bool, target: str, seconds: float)
         show(tables if as_json else {_TITLES[key]: rows for key, rows in tables.items()}, as_json)
     else:
         rows = {"targets": api.targets, "scenes": api.scenes, "models": api.models}[what]()
-        show({what if what != "models" else "contact models": rows_of(rows)}, as_json)
+        titles = {"models": "contact models", "targets": f"targets{_unknown_host()}"}
+        show({titles.get(what, what): rows_of(rows)}, as_json)
+
+
+def _unknown_host() -> str:
+    """What this machine's CPU is taken for, where it is none of the targets."""
+    host = read_host()
+    told = f" ({host.cpu} is not known: native is its nearest ancestor, {host.target.name})"
+    return "" if host.exact else told
 
 
 def _show_costs(target: str, seconds: float, as_json: bool) -> None:

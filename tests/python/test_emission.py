@@ -359,11 +359,11 @@ def test_what_templates_say_they_expect_exists() -> None:
     found, stale = 0, []
     for path in sorted(templates_folder().rglob("*.j2")):
         comments = " ".join(re.findall(r"{#-?(.*?)#}", path.read_text("utf-8"), re.DOTALL))
-        for room, module, name in re.findall(r"\b([a-z]+)\.([a-z_]+)\.([A-Z]\w+)", comments):
+        for module, name in re.findall(r"\b([a-z]+(?:\.[a-z_]+)+)\.([A-Z]\w+)", comments):
             found += 1
-            source = ROOT / "generator" / room / f"{module}.py"
+            source = ROOT / "generator" / f"{module.replace('.', '/')}.py"
             if not source.exists() or not re.search(rf"\bclass {name}\b", source.read_text()):
-                stale.append(f"{path.name}: {room}.{module}.{name}")
+                stale.append(f"{path.name}: {module}.{name}")
     print(f"{found} names in templates, {len(stale)} stale: {stale}")
     assert found >= 8
     assert not stale

@@ -339,7 +339,7 @@ def test_gen_derives_and_lists_anywhere(tmp_path) -> None:
 
 
 def test_gen_collides_anywhere(tmp_path) -> None:
-    lines = (site() / "generator/sources/tests/data/reference/inputs.csv").read_text("utf-8")
+    lines = (site() / "carom_gen/sources/tests/data/reference/inputs.csv").read_text("utf-8")
     (tmp_path / "in.csv").write_text("\n".join(lines.splitlines()[:20]) + "\n")
     text = gen(tmp_path, "collide", "--cases", "in.csv", "--out", "out.csv")
     assert "19 cases" in text

@@ -487,9 +487,13 @@ def fixed_step_variant(scene: str, model: str = "mathavan2014", **options: str) 
 @pytest.mark.parametrize("scene", ["stun", "side"])
 def test_fixed_steps_of_a_level_scene_press_no_ball(scene: str) -> None:
     level, plain = emit(fixed_step_variant(scene)), emit(fixed_step_variant("any"))
-    for gone in ("iterate_pressed_1", "iterate_general", "rsqrt", "Progress"):
-        assert gone in plain.source, gone
-        assert gone not in level.source, gone
+    code = {
+        made: "\n".join(x for x in made.source.splitlines() if not x.startswith("//"))
+        for made in (level, plain)
+    }
+    for gone in ("iterate_pressed_1", "iterate_general", "_rsqrt", "Progress"):
+        assert gone in code[plain], gone
+        assert gone not in code[level], gone
     print(f"{scene}: {total(level)} of {total(plain)} operations in the text")
     assert level.counts.flops < plain.counts.flops / 3
     assert total(level) < total(plain) / 3
