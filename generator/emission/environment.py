@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextvars import ContextVar
 from functools import cache
-from importlib import resources
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
@@ -14,7 +13,7 @@ _USED: ContextVar[set[str] | None] = ContextVar("templates of the text under way
 
 def templates_folder() -> Path:
     """Where the templates lie: beside the package in a checkout, inside it when installed."""
-    package = Path(str(resources.files("generator")))
+    package = Path(__file__).parents[1]
     beside = package.parent / "templates"
     return beside if beside.is_dir() else package / "templates"
 
