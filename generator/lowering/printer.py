@@ -23,7 +23,23 @@ MinOf = sp.Function("MinOf", real=True)
 Divide = sp.Function("Divide", real=True)
 Fma = sp.Function("Fma", real=True)
 Plus = sp.Function("Plus", real=True)  # a sum whose order stays as written
+Minus = sp.Function("Minus", real=True)  # and a difference
+Times = sp.Function("Times", real=True)  # and a product
+Negative = sp.Function("Negative", real=True)
 Group = sp.Function("Group", real=True)  # evaluate this sum or product on its own
+Known = sp.Function("Known", real=True)  # in every lane what is known when a kernel is compiled
+Cast = sp.Function("Cast", real=True)  # a number as one of the stepper's
+
+# Functions of the lane vocabulary (templates/lanes/README.md). `power` takes 64ths, an integer.
+LANE_WORDS = {
+    name: sp.Function(name, real=True)
+    for name in (
+        *("absolute", "larger", "smaller", "select", "where", "power"),
+        *("rsqrt", "rough_rsqrt", "rough_inverse", "near_inverse", "sqrt", "near_sqrt"),
+        *("lt", "le", "gt", "ge", "eq", "both", "either", "but_not"),
+    )
+}
+CALL = "call_"  # begins the name of a SymPy function that is one of the kernel's own
 
 
 def number(value: sp.Expr, suffix: str = "") -> str:
@@ -110,6 +126,10 @@ class ExpressionPrinter:
             return f"({text})", 3, counts
         if name == "Plus":
             return self._plus(*e.args)
+        if name in ("Times", "Minus", "Negative", "Known", "Cast"):
+            return self._as_written(name, *e.args)
+        if name in LANE_WORDS or name.startswith(CALL):
+            return self._word(name.removeprefix(CALL), e.args)
         if name == "Fma" and (plain := _without_fma(*e.args)) is not None:
             return self._print(plain)
         if name == "Divide":
@@ -133,6 +153,37 @@ class ExpressionPrinter:
             texts.append(text)
             counts = counts + own
         return f"{spelling}({', '.join(texts)})", 3, counts
+
+    def _as_written(self, name: str, *args: sp.Expr) -> tuple[str, int, OperationCounts]:
+        if name in ("Known", "Cast"):
+            inner = self._plain_numbers() if name == "Known" else self
+            text, counts = inner.print_counted(args[0])
+            return self.number_format.format(text), 3, counts
+        if name == "Negative":
+            text, counts = self._wrapped(args[0], 3)
+            return f"-{text}", 3, counts
+        left, right = 2 if name == "Times" else 1, 3 if name == "Times" else 2
+        (first, own), (second, others) = (
+            self._wrapped(args[0], left),
+            self._wrapped(args[1], right),
+        )
+        if name == "Times":
+            return f"{first} * {second}", 2, own + others + OperationCounts(mul=1)
+        return f"{first} - {second}", 1, own + others + OperationCounts(add=1)
+
+    def _plain_numbers(self) -> ExpressionPrinter:
+        return ExpressionPrinter(self.place_fma, self.names, self.literal_suffix, self.fma_name)
+
+    def _word(self, name: str, args: tuple[sp.Expr, ...]) -> tuple[str, int, OperationCounts]:
+        """A call of the lane vocabulary, which is counted by what it gets alone."""
+        printed = [
+            (str(a), OperationCounts())
+            if a.is_Integer and name == "power"
+            else self.print_counted(a)
+            for a in args
+        ]
+        counts = sum((own for _, own in printed), OperationCounts())
+        return f"{name}({', '.join(text for text, _ in printed)})", 3, counts
 
     def _plus(self, first: sp.Expr, second: sp.Expr) -> tuple[str, int, OperationCounts]:
         if first.is_zero or second.is_zero:

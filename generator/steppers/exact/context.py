@@ -8,7 +8,6 @@ import sympy as sp
 
 from ...impacts.ball_ball import symbols as s
 from ...impacts.ball_ball.masses import (
-    GIVEN_BETAS,
     GIVEN_PRESSED,
     Masses,
     masses_of,
@@ -28,6 +27,9 @@ from ...tableaus.tableaus import Tableau
 from ...targets.target import Target
 from .budgets import StepControl, plan_for
 from .ellipse import largest_weight, sticking_bound
+from .lengths import PlanLines, plan_lines
+from .passage import PassageLines, passage_lines
+from .pressed import Pressed
 from .step import (
     CONTACT,
     IMPULSES,
@@ -65,7 +67,6 @@ class ExactContext:
     root_text: str
     tiny_square: str
     tiny_slip: str  # a table slip with a direction, but of no account
-    over: str  # share of q that is nothing: a collision with no more to go is over; empty: none
     before: tuple[str, ...]  # slips from velocities
     relative: tuple[str, ...]  # the components of v1 - v2
     after: tuple[str, ...]  # velocities from impulse sums
@@ -76,9 +77,6 @@ class ExactContext:
     k_x: float  # c_x' = k_x d_x + ...
     k_z: str  # c_z' = k_z d_z + ...
     k_zt: str  # c_z' = ... + k_zt t_y
-    zt_per_z: str  # k_zt / k_z
-    zt_per_x: str  # k_zt / k_x
-    turn_share: str  # (k_x - k_z) / k_x
     per_k_x: str  # their inverses, exact but for one rounding
     per_k_z: str
     drift_x: str
@@ -90,6 +88,8 @@ class ExactContext:
     kept: tuple[Kept, ...]  # what each stage leaves, where two vectors' stages are made in turn
     dense_work: tuple[str, ...]  # coefficients of the interpolants of t_y and of the work
     dense_contact: tuple[str, ...]  # of the other impulses
+    plan: PlanLines | None
+    passage: PassageLines | None
     drift: tuple[str, ...]  # b, the rate of the table slip
     landed: tuple[str, ...]  # slips from the impulses of a part of a step
     k_xt: str  # c_x' = ... - k_xt t_x
@@ -189,24 +189,9 @@ class ExactContext:
         return decimal_product(self.control.tolerance, self.budget)
 
     @property
-    def leaving(self) -> str:
-        """How fast the table slip grows at least, away from zero."""
-        return _printed(Fma(self.k_f if self.drives else sp.Integer(0), *sp.symbols("phi l_b")))
-
-    @property
     def drives(self) -> bool:
         """Does table friction drive the table slip on?"""
         return bool(self.k_f.is_negative)
-
-    @property
-    def push(self) -> str:
-        """How strongly, per table friction."""
-        return _value(-self.k_f)
-
-    @property
-    def beaten(self) -> str:
-        """The push of the table that beats all else: a tenth more than it is."""
-        return _value(-self.k_f * sp.Rational(11, 10))
 
     @property
     def rest_share(self) -> float:
@@ -318,11 +303,6 @@ def _value(form: sp.Expr) -> str:
     return repr(float(form)) if form.is_number else _printed(form)
 
 
-def _least(form: sp.Expr) -> float:
-    """Over all masses that there may be, of what is linear in them."""
-    return min(float(form.subs(GIVEN_PRESSED.beta2, end)) for end in GIVEN_BETAS)
-
-
 def _over(top: sp.Expr, bottom: sp.Expr) -> str:
     """A quotient as `_value`; of numbers as doubles divide them."""
     if top.is_number and bottom.is_number:
@@ -370,6 +350,7 @@ def _pressed_context(
     found, newton, text = _roots(root, target, real, lanes)
     ends = CollisionEnds(terms, masses_of(scene.mass_ratio), at_zero(scene), fma, lanes)
     floats = real == "float"
+    pressed = Pressed.of(changes)
     gains = floats or plan.budget < 1e-10
     slips: tuple[str, ...] = SLIPS_BEFORE if table else ("c_x", "c_z", "v_n")
     resting = ("s2x", "s2y") if scene.object_ball == "rest" else ()
@@ -392,7 +373,6 @@ def _pressed_context(
         root_text=text,
         tiny_square="1e-24" if floats else "1e-36",
         tiny_slip="1e-9" if floats else "1e-15",
-        over="0x1p-23" if floats else "",
         before=ends.slips(n for n in slips if n not in resting).lines,
         relative=ends.relative("per_scale" if scaled else "").lines,
         after=(ends.velocities() if table else ends.free_velocities()).lines,
@@ -404,9 +384,6 @@ def _pressed_context(
         k_x=float(k_x),
         k_z=_value(k_z),
         k_zt=_value(k_zt),
-        zt_per_z=_over(k_zt, k_z),
-        zt_per_x=_over(k_zt, k_x),
-        turn_share=_over(k_x - k_z, k_x),
         per_k_x=number(1 / k_x),
         per_k_z=_value(1 / k_z),
         drift_x=_printed(-recoil * _DX),
@@ -420,12 +397,14 @@ def _pressed_context(
         extra_stages=lowering.extra_stages() if table else (),
         dense_work=lowering.dense(("t_y", "j")).lines if table else (),
         dense_contact=lowering.dense(("d_x", "d_z", "t_x")).lines if table else (),
+        plan=plan_lines(pressed, lowering.drift().lines, floats) if table else None,
+        passage=passage_lines(pressed) if table else None,
         drift=lowering.drift().lines if table else (),
         landed=lowering.landed().lines if table else (),
         k_xt=_value(k_xt),
         xt_per_x=_over(k_xt, k_x),
         bending=_over(k_x * k_zt, k_z),
-        least_k_z=_least(k_z),
+        least_k_z=pressed.least_k_z,
         tail_bend="" if lowering.tail_bend.is_number else _printed(lowering.tail_bend),
         k_f=k_f,
         approach_share=_times(changes[s.V_N].coeff(s.T2Y), ""),
