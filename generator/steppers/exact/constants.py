@@ -101,11 +101,12 @@ class Declared:
     tiny_square = _named(
         "kTinySquare",
         "(m/s)^2, scaled",
-        "added to squares of slips: no slip has no friction; far below rounding",
-        "1e-36; 1e-24 in floats",
+        "1e-36, in floats 1e-24: added to squares of slips, so that no slip has no friction; far "
+        "below rounding",
+        "not measured",
     )
     tiny_slip = _named(
-        "kTinySlip", "m/s, scaled", "a table slip with a direction, but of no account", "1e-15"
+        "kTinySlip", "m/s, scaled", "1e-15, in floats 1e-9: a slip with a direction, of no account"
     )
 
 
@@ -152,14 +153,14 @@ class Literal:
 class Growth:
     """Near zero slip that the table drives on, errors grow as a power of how the slip grows.
 
-    The power depends on the push of the table over all else that drives the slip: steps were
-    shortened for the worst of it everywhere before, which cost 31 steps a collision at 1e-6
-    instead of 4.
+    The power depends on the push of the table over all else that drives the slip.
     """
 
-    little = _value(0.05, "drift", "push up to which errors grow by the power 1/8")
-    some = _value(0.12, "drift", "up to which by 1/4")
-    much = _value(0.3, "drift", "up to which by 1/2; beyond it as the slip itself")
+    _measured = "steps shortened for the worst everywhere took 31 a collision at 1e-6 instead of 4"
+
+    little = _value(0.05, "drift", "push up to which errors grow by the power 1/8", _measured)
+    some = _value(0.12, "drift", "up to which by 1/4", _measured)
+    much = _value(0.3, "drift", "up to which by 1/2; beyond it as the slip itself", _measured)
 
 
 def table() -> list[tuple[str, Constant]]:

@@ -1,0 +1,148 @@
+"""Step control is arithmetic of Python: templates lay out, docs/step-control.md says the same."""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Iterator
+
+import pytest
+import sympy as sp
+
+from generator.emission.environment import templates_folder
+from generator.evidence.timing.bench_tool import ROOT
+from generator.impacts.ball_ball.masses import EQUAL, pressed_changes
+from generator.impacts.ball_ball.models import find_model
+from generator.lowering.lane_algebra import Lines, constant, number, plain
+from generator.lowering.statements import Assign
+from generator.steppers.exact.constants import table
+from generator.steppers.exact.lengths import PRINTER, plan_lines
+from generator.steppers.exact.passage import passage_lines
+from generator.steppers.exact.pressed import Pressed
+
+PAGE = ROOT / "docs" / "step-control.md"
+FOLDERS = ("exact",)
+FREE = {"0", "1", "2", "0.0", "1.0", "2.0", "0.5"}
+# What is left: lines of a template with another number, or with arithmetic. Only ever smaller.
+LEFT = {
+    "exact/flight.j2": 44,
+    "exact/frame.j2": 32,
+    "exact/free.j2": 22,
+    "exact/interpolant.j2": 13,
+    "exact/joint_error.j2": 2,
+    "exact/level.j2": 6,
+    "exact/level_batch.j2": 5,
+    "exact/macros.j2": 2,
+    "exact/passed.j2": 1,
+    "exact/pressed.j2": 7,
+    "exact/relative.j2": 1,
+    "exact/scale.j2": 2,
+    "exact/scale_limits.j2": 2,
+    "exact/single.j2": 2,
+    "exact/stages.j2": 2,
+    "exact/step.j2": 38,
+    "exact/sticking.j2": 50,
+    "exact/system.j2": 17,
+}
+
+_QUIET = re.compile(r"\{#.*?#\}|\{%.*?%\}|\{\{.*?\}\}|//[^\n]*|\"[^\"\n]*\"", re.S)
+_NUMBER = re.compile(r"(?<![\w.])(?:0x[\da-fA-F]+u?|\d+\.?\d*(?:e-?\d+)?)(?![\w.])")
+# An operator between two operands; a pointer's or a reference's star stands after a type's name.
+_BETWEEN = re.compile(r"(?<=[\w)\]]) [-+*/] (?=[\w(-])|[-+*/]=")
+_SIGN = re.compile(r"(?:[(,=?:]|return) ?-(?=[a-z(])")
+
+
+def _counted(text: str) -> Iterator[str]:
+    """Lines with another number or with arithmetic, integers that count lanes included.
+
+    What Jinja, comments and strings hold does not count: x is what a Jinja expression leaves.
+    """
+    quiet = _QUIET.sub(lambda m: "x" if m.group().startswith("{{") else "", text)
+    for line in quiet.splitlines():
+        numbers = set(_NUMBER.findall(line)) - FREE
+        if not line.startswith("#") and (numbers or _BETWEEN.search(line) or _SIGN.search(line)):
+            yield line.strip()
+
+
+def test_no_template_has_numbers_or_arithmetic_but_those_that_are_left() -> None:
+    found = {}
+    for folder in FOLDERS:
+        for path in sorted((templates_folder() / folder).rglob("*.j2")):
+            if lines := list(_counted(path.read_text("utf-8"))):
+                found[f"{folder}/{path.relative_to(templates_folder() / folder)}"] = len(lines)
+    print(found)
+    assert found == LEFT, "fewer: lower LEFT; more: form it in Python (steppers/exact/lengths.py)"
+
+
+def _forms(pressed: Pressed, monkeypatch: pytest.MonkeyPatch) -> dict[str, sp.Basic]:
+    """What the statements of a plan set, without rounding, by name; the last of a name."""
+    found: dict[str, sp.Basic] = {}
+    put = Lines._put
+
+    def noting(self: Lines, assign: Assign) -> None:
+        form = plain(assign.value)
+        short = {s: _short(s.name) for s in form.free_symbols}
+        found[assign.target.split(".")[-1]] = form.xreplace(short)
+        put(self, assign)
+
+    monkeypatch.setattr(Lines, "_put", noting)
+    plan_lines(pressed, (), False)
+    passage_lines(pressed)
+    return found
+
+
+def _short(name: str) -> sp.Expr:
+    """at.c_x as the page has it: c_x; what keeps a square from zero is nothing there."""
+    return sp.Integer(0) if name == "kTinySquare" else _symbol(name.split(".")[-1])
+
+
+def _symbol(name: str) -> sp.Symbol:
+    return sp.Symbol(name, real=True)
+
+
+def _on_the_page(formula: str, pressed: Pressed) -> sp.Expr:
+    values = {n: getattr(pressed, n) for n in ("k_x", "k_z", "k_zt")}
+    words = {"min": sp.Min, "max": sp.Max, "Abs": sp.Abs}
+    free = {n: _symbol(n) for n in re.findall(r"[A-Za-z]\w*", formula)}
+    return sp.sympify(formula, locals={**free, **values, **words})
+
+
+def _same(page: sp.Expr, code: sp.Expr) -> bool:
+    """Equal at random places: Min, Max, Abs and roots have no normal form."""
+    free = sorted(page.free_symbols | code.free_symbols, key=str)
+    chance = random.Random(7)
+    for _ in range(20):
+        place = {s: chance.uniform(0.1, 2) for s in free}
+        place.update({_symbol("within"): sp.false, _symbol("kOrder"): 13})
+        if abs(page.subs(place).evalf() / code.subs(place).evalf() - 1) > 1e-9:
+            return False
+    return True
+
+
+def test_the_code_computes_the_formulas_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    pressed = Pressed.of(pressed_changes(find_model("mathavan2014").terms, EQUAL))
+    forms = _forms(pressed, monkeypatch)
+    formulas = dict(re.findall(r"^    (\w+) = (.+)$", PAGE.read_text("utf-8"), re.M))
+    assert len(formulas) >= 10
+    for name, formula in formulas.items():
+        page = _on_the_page(formula, pressed)
+        assert _same(page, forms[name]), f"{name}: {page} on the page, {forms[name]} in the code"
+
+
+def test_the_page_has_every_constant() -> None:
+    text = PAGE.read_text("utf-8")
+    for name, value in table():
+        shown = value.form.name if value.form.is_Symbol else name
+        cells = [f"`{shown}`", value.unit, value.reason, value.measured]
+        if not value.form.is_Symbol:
+            cells[2] = f"{float(value.form):g}: {value.reason}"
+        row = "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+        assert row in text, f"{PAGE.name} has no row\n{row}"
+
+
+def test_orders_stay_as_they_are_written() -> None:
+    a, b, c = number("a"), number("b"), number("c")
+    value = c + a * b - 2 * (a + b) / c
+    assert PRINTER.print(value.form) == "c + a * b - real(2.0) * (a + b) / c"
+    assert plain(a * b + c) == a.form * b.form + c.form
+    assert PRINTER.print((a > 2 * constant("kOne")).form) == "gt(a, real(2.0 * kOne))"
