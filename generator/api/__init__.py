@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .collisions import Collided, collide
     from .freshness import check, update
     from .generation import Generated, GenerateRequest, generate
-    from .listing import models, scenes, targets, variants
+    from .listing import impacts, models, scenes, targets, variants
     from .records import RefreshRequest, export, import_records, merge, refresh
     from .reporting import (
         Reported,
@@ -46,7 +46,7 @@ _HOMES = {
     "collisions": ("Collided", "collide"),
     "freshness": ("check", "update"),
     "generation": ("Generated", "GenerateRequest", "generate"),
-    "listing": ("models", "scenes", "targets", "variants"),
+    "listing": ("impacts", "models", "scenes", "targets", "variants"),
     "records": ("RefreshRequest", "export", "import_records", "merge", "refresh"),
     "reporting": (
         *("Reported", "ReportRequest", "measure_plot", "model_gaps", "plot_text", "read_plot"),

@@ -53,7 +53,7 @@ def bench(
         find_model(model)
     resolved, host = resolve_target(target)
     require_runs(host, resolved)
-    folder = place_of(session.generated, target, scene, find_impact(impact))
+    folder = place_of(session.generated, target, scene, find_impact(impact).name)
     selection = read_selection(folder)
     if selection is None:
         raise InputError(

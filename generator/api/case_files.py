@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import InputError
 from ..evidence.verification.errors import Array
 from ..evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
-from ..impacts.ball_ball.scene import LIMITS
+from ..impacts.ball_ball.parameters import LIMITS
 
 _OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 

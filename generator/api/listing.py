@@ -1,10 +1,11 @@
-"""What there is to choose from: targets, scenes, contact models, options of kernels."""
+"""What there is to choose from: impacts, targets, scenes, contact models, options of kernels."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ..impacts import registry as all_impacts
 from ..impacts.ball_ball.models import MODELS
 from ..impacts.ball_ball.scene import scenes as all_scenes
 from ..registry.axes import AXES
@@ -15,6 +16,16 @@ from ..targets.host import Host, read_host
 from ..targets.target import Target
 from ..targets.target import targets as all_targets
 from ..toolchain.compilers import compilers_for, emulator_for
+
+
+@dataclass(frozen=True)
+class ImpactRow:
+    """What collides: the parameters of a call in their order, and the contact models."""
+
+    name: str
+    what: str
+    parameters: tuple[str, ...]
+    models: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -117,6 +128,19 @@ def how_tested(target: Target, host: str, runs: bool) -> str:
     if not compilers_for(target):
         return "not compiled"
     return "run under emulation" if emulator_for(target) else "compiled only"
+
+
+def impacts() -> tuple[ImpactRow, ...]:
+    """What may collide."""
+    return tuple(
+        ImpactRow(
+            name=impact.name,
+            what=impact.text,
+            parameters=tuple(parameter.name for parameter in impact.parameters),
+            models=tuple(model.name for model in impact.model_table()),
+        )
+        for impact in all_impacts.IMPACTS
+    )
 
 
 def scenes() -> tuple[SceneRow, ...]:

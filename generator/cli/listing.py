@@ -1,4 +1,4 @@
-"""gen list targets|scenes|variants|models."""
+"""gen list impacts|targets|scenes|variants|models."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _TITLES = {
 
 
 @click.command("list")
-@click.argument("what", type=click.Choice(["targets", "scenes", "variants", "models"]))
+@click.argument("what", type=click.Choice(["impacts", "targets", "scenes", "variants", "models"]))
 @options.JSON
 @click.option("--cost", is_flag=True, help="of scenes: operations and times, measured here")
 @options.TARGET
@@ -40,7 +40,12 @@ def list_rows(what: str, as_json: bool, cost: bool, target: str, seconds: float)
         tables = {key: rows_of(getattr(found, key)) for key in _TITLES}
         show(tables if as_json else {_TITLES[key]: rows for key, rows in tables.items()}, as_json)
     else:
-        rows = {"targets": api.targets, "scenes": api.scenes, "models": api.models}[what]()
+        rows = {
+            "impacts": api.impacts,
+            "targets": api.targets,
+            "scenes": api.scenes,
+            "models": api.models,
+        }[what]()
         titles = {"models": "contact models", "targets": f"targets{_unknown_host()}"}
         show({titles.get(what, what): rows_of(rows)}, as_json)
 

@@ -11,13 +11,8 @@ from ..errors import InputError
 from ..impacts.ball_ball import words
 from ..impacts.ball_ball.masses import masses_of
 from ..impacts.ball_ball.models import find_model
-from ..impacts.ball_ball.scene import (
-    TABLE_FRICTION,
-    UNITS,
-    Scene,
-    case_value,
-    find_scene,
-)
+from ..impacts.ball_ball.parameters import UNITS, case_value
+from ..impacts.ball_ball.scene import Scene, find_scene
 from ..lowering import isa
 from ..lowering.collision_ends import CollisionEnds, at_zero
 from ..lowering.counts import OperationCounts
@@ -198,21 +193,19 @@ class KernelContext:
 
 def _fields(scene: Scene) -> tuple[tuple[Field, ...], tuple[Field, ...], tuple[Field, ...]]:
     """Constants, members of Parameters, and those of them that the caller gives."""
-    values: dict[str, float] = {str(key): value for key, value in scene.fixed.items()}
-    if not scene.table_friction:
-        values |= dict.fromkeys(TABLE_FRICTION, 0.0)
+    values = scene.constants
     fixed = tuple(
         Field(key, words.meaning(key, scene), number(sp.Float(values[key], 17)))
-        for key in UNITS
+        for key in scene.members
         if key in values
     )
-    free = []
-    for key in scene.members:
-        if key not in values:
-            check = words.check(key, scene)
-            free.append(Field(key, words.meaning(key, scene), check=check))
+    free = tuple(
+        Field(key, words.meaning(key, scene), check=words.check(key, scene))
+        for key in scene.members
+        if key not in values
+    )
     fields = tuple(f for f in free if f.name in scene.free)
-    return fixed, tuple(free), fields
+    return fixed, free, fields
 
 
 def fields_of(scene: Scene) -> tuple[Field, ...]:

@@ -14,15 +14,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..errors import InputError
-from ..impacts.ball_ball.models import find_model
-from ..impacts.ball_ball.scene import find_scene
+from ..impacts import registry as impacts
+from ..impacts.impact import Impact
 from ..targets.target import target_or_port
 
 Family = Literal["fixed", "exact"]  # fixed steps, or as many as an error budget asks for
 Call = Literal["scalar", "batch"]
 
-IMPACTS = ("ball-ball",)
-DEFAULT_IMPACT = IMPACTS[0]
+DEFAULT_IMPACT = impacts.DEFAULT
 EXPECTED = "IMPACT/TARGET/SCENE/MODEL-GOAL-WIDTH, as ball-ball/zen3/any/pooltool-e1m06-x1"
 
 
@@ -110,18 +109,20 @@ class Question:
 
     def checked(self) -> Question:
         """Itself. Raises InputError where impact, target, scene or model is none that there is."""
-        find_impact(self.impact)
+        impact = find_impact(self.impact)
         target_or_port(self.target)
-        find_scene(self.scene)
-        find_model(self.model)
+        impact.find_scene(self.scene)
+        impact.find_model(self.model)
         return self
 
 
-def find_impact(name: str) -> str:
-    """The name of an impact that there is. Raises InputError naming those there are."""
-    if name not in IMPACTS:
-        raise InputError(f"--impact {name}: no such impact; there are {', '.join(IMPACTS)}")
-    return name
+def find_impact(name: str) -> Impact:
+    """An impact that has kernels. Raises InputError where there is none, or where it has none."""
+    impact = impacts.find_impact(name)
+    if not impact.has_kernels:
+        able = ", ".join(row.name for row in impacts.IMPACTS if row.has_kernels)
+        raise InputError(f"--impact {name}: has no kernels yet; expected one of {able}")
+    return impact
 
 
 def symbol_of(name: str) -> str:

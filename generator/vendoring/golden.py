@@ -25,7 +25,9 @@ from ..evidence.verification.errors import (
 from ..evidence.verification.euler import TOLERANCE
 from ..evidence.verification.reference import EULER_STEPS, load_reference
 from ..evidence.verification.scene_cases import cases_for_scene
-from ..impacts.ball_ball.scene import CASE_M1, PARAMETERS, Scene
+from ..impacts.ball_ball.parameters import CASE_M1
+from ..impacts.ball_ball.parameters import NAMES as PARAMETERS
+from ..impacts.ball_ball.scene import Scene
 from ..registry.question import Goal
 
 _TRIED = 3  # cases of each kind, until one fits

@@ -18,7 +18,8 @@ from generator.evidence.verification.euler import euler_verdict
 from generator.evidence.verification.reference import load_reference
 from generator.evidence.verification.scene_cases import cases_for_scene
 from generator.impacts.ball_ball.models import MODELS
-from generator.impacts.ball_ball.scene import CASE_M1, find_scene
+from generator.impacts.ball_ball.parameters import CASE_M1
+from generator.impacts.ball_ball.scene import find_scene
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 

@@ -27,8 +27,9 @@ from generator.impacts.ball_ball import scene as scene_module
 from generator.impacts.ball_ball import symbols as s
 from generator.impacts.ball_ball.masses import masses_of, pressed_changes
 from generator.impacts.ball_ball.models import MODELS
+from generator.impacts.ball_ball.parameters import CASE_M1
 from generator.impacts.ball_ball.reduced import reduced_system
-from generator.impacts.ball_ball.scene import CASE_M1, Scene, parse_scene
+from generator.impacts.ball_ball.scene import Scene, parse_scene
 from generator.impacts.ball_ball.terms import MASS_RATIOS
 from generator.registry.lane_numbers import float_lanes
 from generator.registry.lanes import widths_of

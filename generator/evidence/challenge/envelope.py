@@ -50,7 +50,7 @@ def envelope(scene: Scene, model: str, extent: Extent) -> Envelope:
 
     def usual(key: str, value: float) -> float:
         low, high = scene.range_of(key)
-        fixed: float | None = scene.fixed.get(key)  # type: ignore[call-overload]
+        fixed = scene.fixed.get(key)
         return fixed if fixed is not None else min(max(value, low), high)
 
     table = bounds("u_s1", "u_s") if scene.table_friction else (0.0, 0.0)

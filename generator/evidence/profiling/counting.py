@@ -15,7 +15,8 @@ from typing import Any
 from ...emission.environment import environment
 from ...emission.kernel_source import KernelSource
 from ...errors import KernelError
-from ...impacts.ball_ball.scene import case_value, find_scene
+from ...impacts.ball_ball.parameters import case_value
+from ...impacts.ball_ball.scene import find_scene
 from ...lowering.counts import OperationCounts
 from ...toolchain.build import build_library
 from ...toolchain.compilers import Compiler

@@ -24,7 +24,7 @@ import numpy as np
 from ...errors import KernelCrash, KernelError
 from ...files import require_cache, require_temporary
 from ...impacts.ball_ball.masses import MassRatio
-from ...impacts.ball_ball.scene import CASE_M1
+from ...impacts.ball_ball.parameters import CASE_M1
 from ...places import sources
 from ...toolchain.process import require_space, run, run_checked
 from .plan import Array, TimingPlan

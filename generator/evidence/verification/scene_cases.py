@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...impacts.ball_ball.models import find_model
-from ...impacts.ball_ball.scene import ALCIATORE, CASE_M1, PARAMETERS, Scene
+from ...impacts.ball_ball.parameters import CASE_M1
+from ...impacts.ball_ball.parameters import NAMES as PARAMETERS
+from ...impacts.ball_ball.scene import ALCIATORE, Scene
 from ...impacts.ball_ball.terms import MASS_RATIOS
 from .errors import Array, relative_speed
 

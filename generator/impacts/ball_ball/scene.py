@@ -1,64 +1,37 @@
-"""A scene: which parameters are fixed, what ranges and motions occur. Read from TOML, data only.
-
-Every key changes the emitted code; one that could not is refused with the reason.
-"""
+"""A scene of two balls: what is fixed, what ranges and motions occur."""
 
 from __future__ import annotations
 
-import tomllib
+from collections.abc import Callable, Mapping
 from functools import cache
 from importlib import resources
-from typing import Annotated, Any, Literal
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field
 
 from ...errors import InputError
-from .models import MODELS
+from ..scene import BaseScene, pair, scene_from, scenes_in
+from .models import DEFAULT_MODEL, MODELS
+from .parameters import CASE_M1, LIMITS, MASS_1, NAMES, TABLE_FRICTION
 from .terms import MASS_RATIOS
 
-PARAMETERS = ("R", "M", "u_s1", "u_s2", "u_b", "e_b")
-UNITS = {"R": "m", "M": "kg", "M1": "kg", "u_s1": "1", "u_s2": "1", "u_b": "1", "e_b": "1"}
-# What the mechanics admits whatever the scene; R and M are divided by.
-LIMITS = {
-    "R": (1e-9, 1e3),
-    "M": (1e-9, 1e6),
-    "u_s1": (0.0, 1.0),
-    "u_s2": (0.0, 1.0),
-    "u_b": (0.0, 1.0),
-    "e_b": (0.0, 1.0),
-}
-TABLE_FRICTION = ("u_s1", "u_s2")
-# Where both masses are given, cases have this one for ball 1 and their own M for ball 2.
-CASE_M1 = 0.25  # kg
+NO_TABLE_FRICTION = dict.fromkeys(TABLE_FRICTION, 0.0)
 SPEED_LIMITS = (1e-6, 1e6)  # m/s; where speeds are known to lie within, no square needs scaling
-FLOAT_BUDGET = 1e-4  # the tightest for single calls in floats, whose frame is in floats too
 # Alciatore's ball-ball friction, u_b = a + b exp(-c slip), slip in m/s before the collision
 # (Alciatore, TP A.14; a fit to Marlow's measurements).
 ALCIATORE = (9.951e-3, 0.108, 1.088)
 
-Parameter = Literal["R", "M", "u_s1", "u_s2", "u_b", "e_b"]
-Bound = Annotated[float, Field(allow_inf_nan=False, ge=0)]
 Speed = Annotated[float, Field(ge=SPEED_LIMITS[0], le=SPEED_LIMITS[1])]
-
-
-def _pair(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-Range = Annotated[tuple[Bound, Bound], BeforeValidator(_pair)]
-SpeedRange = Annotated[tuple[Speed, Speed], BeforeValidator(_pair)]
+SpeedRange = Annotated[tuple[Speed, Speed], BeforeValidator(pair)]
 Ratio = Annotated[float, Field(ge=MASS_RATIOS[0], le=MASS_RATIOS[1])] | Literal["given"]
 
 
-class Scene(BaseModel):
-    """One scene file. Unknown keys, other types and keys without effect are refused."""
+class Scene(BaseScene):
+    """A scene file of two balls."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    limits: ClassVar[Mapping[str, tuple[float, float]]] = LIMITS
+    models: ClassVar[tuple[str, ...]] = tuple(model.name for model in MODELS)
 
-    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$")
-    text: Annotated[str, Field(pattern=r"^[ -~]+$", max_length=200)]
-    fixed: dict[Parameter, Bound] = {}
-    ranges: dict[Parameter, Range] = {}
     speed: SpeedRange | None = None  # |v1 - v2| before, m/s
     spin_speed: Speed | None = None  # R |w| of either ball before is at most this, m/s
     spin: Literal["any", "side", "none"] = "any"  # side: about the vertical axis alone
@@ -66,41 +39,15 @@ class Scene(BaseModel):
     table_friction: bool = True
     equal_table: bool = False  # u_s1 = u_s2
     friction_law: Literal["given", "alciatore"] = "given"
-    precision: Literal["double", "float"] = "double"  # of the stepper
     mass_ratio: Ratio = 1.0  # ball 1 to ball 2; M is that of ball 2, M1 that of ball 1 if given
-    model: str = "mathavan2014"
-    max_error: Annotated[float, Field(ge=1e-12, le=0.1)] = 1e-6
+    model: str = DEFAULT_MODEL
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Scene:
-        for check in (self._parameters, self._table, self._friction, self._motions, self._method):
-            problem = check()
-            if problem:
-                raise ValueError(problem)
-        return self
-
-    def _parameters(self) -> str:
-        if "*/" in self.text:
-            return "text: it becomes part of a C comment; expected no */ in it"
-        for key, value in self.fixed.items():
-            low, high = LIMITS[key]
-            if not low <= value <= high:
-                return f"fixed.{key}: {value:g} is out of range; expected {low:g} to {high:g}"
-        for key, (low, high) in self.ranges.items():
-            least, most = LIMITS[key]
-            if key in self.fixed:
-                return f"ranges.{key}: {key} is fixed, so it has no range; remove one of the two"
-            if not least <= low < high <= most:
-                return (
-                    f"ranges.{key}: [{low:g}, {high:g}] is no range; expected two numbers from "
-                    f"{least:g} to {most:g}, the lower one first (one value alone goes to fixed)"
-                )
-        return ""
+    def checks(self) -> tuple[Callable[[], str], ...]:
+        own = (self._table, self._friction, self._motions, self._masses)
+        return self._parameters, *own, self._method
 
     def _table(self) -> str:
-        stated = [
-            k for part in ("fixed", "ranges") for k in TABLE_FRICTION if k in self._part(part)
-        ]
+        stated = [k for part in (self.fixed, self.ranges) for k in TABLE_FRICTION if k in part]
         if not self.table_friction and stated:
             return f"table_friction: false leaves no {stated[0]} to state; remove one of the two"
         if not self.equal_table:
@@ -117,8 +64,8 @@ class Scene(BaseModel):
 
     def _friction(self) -> str:
         if self.friction_law == "alciatore":
-            for part in ("fixed", "ranges"):
-                if "u_b" in self._part(part):
+            for part, table in (("fixed", self.fixed), ("ranges", self.ranges)):
+                if "u_b" in table:
                     return f"friction_law: 'alciatore' makes u_b, so {part}.u_b has no effect"
         return ""
 
@@ -129,25 +76,12 @@ class Scene(BaseModel):
             return "spin_speed: without effect where spin = 'none'; remove it"
         return ""
 
-    def _method(self) -> str:
-        if self.model not in [m.name for m in MODELS]:
-            names = ", ".join(m.name for m in MODELS)
-            return f"model: no model '{self.model}'; there are {names}"
+    def _masses(self) -> str:
         if not self.equal_masses and not self.table_friction and not self.level:
             return "mass_ratio: only 1 without table friction; expected table_friction = true"
         if self.masses_given and ("M" in self.fixed or "M" in self.ranges):
             return "mass_ratio: 'given' gives both masses with the call; remove M from the scene"
-        if self.precision == "float" and self.level:
-            return f"precision: without effect, spin = '{self.spin}' has a closed form; remove it"
-        if self.precision == "float" and self.max_error < FLOAT_BUDGET:
-            return (
-                f"max_error: {self.max_error:g} is beyond float arithmetic; expected at least "
-                f"{FLOAT_BUDGET:g}, or precision = 'double'"
-            )
         return ""
-
-    def _part(self, name: str) -> dict[Parameter, Any]:
-        return self.fixed if name == "fixed" else self.ranges
 
     # -- what follows from the statements --
 
@@ -155,6 +89,10 @@ class Scene(BaseModel):
     def level(self) -> bool:
         """Is there no vertical contact slip? Then no ball is pressed, and all is closed form."""
         return self.spin != "any"
+
+    @property
+    def closed_form(self) -> str:
+        return f"spin = '{self.spin}'" if self.level else ""
 
     @property
     def one_table(self) -> bool:
@@ -179,11 +117,10 @@ class Scene(BaseModel):
     @property
     def fixed_steps(self) -> bool:
         """Has it fixed-step kernels? That scheme is pooltool's: of equal balls and in double."""
-        return self.equal_masses and self.precision == "double"
+        return self.equal_masses and super().fixed_steps
 
     @property
     def without_exact_lanes(self) -> str:
-        """Why exact kernels of the scene have one lane alone; empty where they may have more."""
         if self.level:
             return ""  # a closed form, whatever else there is
         if not self.table_friction:
@@ -193,81 +130,41 @@ class Scene(BaseModel):
         return ""
 
     @property
-    def unrestricted(self) -> bool:
-        """Is every case of the envelope of real use a case of this scene?"""
-        plain = Scene(name=self.name, text=self.text, model=self.model, max_error=self.max_error)
-        return self == plain
+    def members(self) -> tuple[str, ...]:
+        if not self.masses_given:
+            return NAMES
+        behind = NAMES.index("M") + 1
+        return (*NAMES[:behind], MASS_1, *NAMES[behind:])
 
     @property
-    def members(self) -> tuple[str, ...]:
-        """All parameters, given or not, in the order of carom_params."""
-        return tuple(key for key in UNITS if key != "M1" or self.masses_given)
+    def constants(self) -> Mapping[str, float]:
+        return self.fixed if self.table_friction else {**self.fixed, **NO_TABLE_FRICTION}
 
     @property
     def free(self) -> tuple[str, ...]:
-        """The parameters that a caller gives, in the order of carom_params."""
-        given = tuple(key for key in self.members if key not in self.fixed)
-        if self.friction_law == "alciatore":
-            given = tuple(key for key in given if key != "u_b")
-        if not self.table_friction:
-            given = tuple(key for key in given if key not in TABLE_FRICTION)
-        return given
+        return tuple(key for key in super().free if key != "u_b" or not self.makes_varied)
 
-    def range_of(self, key: str) -> tuple[float, float]:
-        return next((own for name, own in self.ranges.items() if name == key), LIMITS[key])
+    @property
+    def makes_varied(self) -> bool:
+        return self.friction_law == "alciatore"
 
-    def require_budget(self, budget: float) -> None:
-        """Raise InputError where the scene's arithmetic cannot hold an error budget."""
-        if self.precision == "float" and budget < FLOAT_BUDGET:
-            raise InputError(
-                f"--max-error {budget:g}: beyond the float arithmetic of scene {self.name}; "
-                f"expected at least {FLOAT_BUDGET:g}"
-            )
-
-
-_BRANCHES = ("[key]", "constrained-float", "literal['given']")  # where pydantic was, not the user
-
-
-def case_value(key: str, row: str) -> str:
-    """A parameter of a case as C++ text, its six from the array `row`."""
-    return repr(CASE_M1) if key == "M1" else f"{row}[{PARAMETERS.index(key)}]"
-
-
-def _problem(error: ValidationError) -> str:
-    """The first thing that is wrong, as `key ...: what`."""
-    first = error.errors()[0]
-    where = ".".join(str(part) for part in first["loc"] if part not in _BRANCHES)
-    text = first["msg"].removeprefix("Value error, ").removeprefix("Assertion failed, ")
-    if not where:
-        return f"key {text}"
-    if first["type"] == "extra_forbidden":
-        text = f"no such key; there are {', '.join(Scene.model_fields)}"
-    return f"key {where}: {text}"
+    @property
+    def oracle_options(self) -> tuple[str, ...]:
+        if self.masses_given:
+            return "--mass1", repr(CASE_M1)
+        return () if self.equal_masses else ("--mass-ratio", repr(self.mass_ratio))
 
 
 def parse_scene(text: str, source: str) -> Scene:
     """A scene from TOML text. Raises InputError that names the file and the key."""
-    try:
-        return Scene(**tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source}: not valid TOML: {error}") from None
-    except ValidationError as error:
-        raise InputError(f"{source}: {_problem(error)}") from None
+    return scene_from(Scene, text, source)
 
 
 @cache
 def scenes() -> dict[str, Scene]:
     """The scenes that are shipped, by name."""
     folder = resources.files(__package__) / "scenes"
-    files = sorted(f.name for f in folder.iterdir() if f.name.endswith(".toml"))
-    read = {}
-    for name in files:
-        path = f"generator/impacts/ball_ball/scenes/{name}"
-        scene = parse_scene((folder / name).read_text("utf-8"), path)
-        if f"{scene.name}.toml" != name:
-            raise InputError(f"{path}: key name: '{scene.name}'; expected the file's")
-        read[scene.name] = scene
-    return read
+    return scenes_in(Scene, folder, "generator/impacts/ball_ball/scenes")
 
 
 def find_scene(name: str) -> Scene:

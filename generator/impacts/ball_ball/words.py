@@ -3,18 +3,10 @@
 from __future__ import annotations
 
 from .models import find_model
+from .parameters import MASS_1, MASS_1_MEANING, MEANINGS, UNITS
 from .scene import ALCIATORE, Scene
 from .terms import MASS_RATIOS
 
-MEANINGS = {
-    "R": "m, radius of both balls",
-    "M": "kg, mass of both balls",
-    "M1": "kg, mass of ball 1: {:g} to {:g} times that of ball 2".format(*MASS_RATIOS),
-    "u_s1": "1, sliding friction of ball 1 and the table",
-    "u_s2": "1, sliding friction of ball 2 and the table",
-    "u_b": "1, friction between the balls",
-    "e_b": "1, restitution between the balls",
-}
 SOURCE = "Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-14."
 STATE = "Units: m, kg, s, rad. Balls: 9 doubles, row-major position, velocity, angular velocity."
 NO_FIXED_STEPS = (
@@ -25,18 +17,20 @@ NO_FIXED_STEPS = (
 
 def meaning(key: str, scene: Scene) -> str:
     """Unit and meaning of a parameter, as a member of a struct is explained."""
+    if key == MASS_1:
+        return f"kg, {MASS_1_MEANING}"
     if key == "M" and scene.masses_given:
         return "kg, mass of ball 2"
     if key == "M" and not scene.equal_masses:
         return f"kg, mass of ball 2; that of ball 1 is {scene.mass_ratio:g} times as much"
-    if key == "u_b" and scene.friction_law == "alciatore":
+    if key == "u_b" and scene.makes_varied:
         return "1, friction between the balls, made from their slip"
-    return MEANINGS[key]
+    return f"{UNITS[key]}, {MEANINGS[key]}"
 
 
 def check(key: str, scene: Scene) -> str:
     """The C++ condition that a parameter given with the call is in its range."""
-    if key == "M1":  # products with whole numbers: a ratio at either end is not rounded out
+    if key == MASS_1:  # products with whole numbers: a ratio at either end is not rounded out
         low, high = MASS_RATIOS
         return f"p.M1 * {1 / low!r} >= p.M && p.M1 <= {high!r} * p.M"
     low, high = scene.range_of(key)
@@ -60,7 +54,7 @@ def motions(scene: Scene) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]
 
 def law(scene: Scene) -> tuple[str, str, str] | None:
     """a, b, c of u_b = a + b exp(-c slip), where the kernel makes u_b."""
-    if scene.friction_law != "alciatore":
+    if not scene.makes_varied:
         return None
     a, b, c = (repr(value) for value in ALCIATORE)
     return a, b, c
@@ -68,7 +62,7 @@ def law(scene: Scene) -> tuple[str, str, str] | None:
 
 def varied_note(scene: Scene) -> str:
     """What a batch may be given instead of the one friction between the balls."""
-    if scene.friction_law == "alciatore":
+    if scene.makes_varied:
         return "u_b must be NULL (the kernel makes it)"
     return "u_b may be NULL (then p decides)"
 
@@ -97,7 +91,7 @@ def _balls(scene: Scene) -> str:
 
 
 def _range_text(key: str, scene: Scene) -> str:
-    if key == "M1":
+    if key == MASS_1:
         return "{:g} M to {:g} M".format(*MASS_RATIOS)
     return "{:g} to {:g}".format(*scene.range_of(key))
 
@@ -119,6 +113,6 @@ def scene_lines(scene: Scene) -> tuple[str, ...]:
         says.append("no table friction")
     if scene.equal_table:
         says.append("u_s1 = u_s2")
-    if scene.friction_law == "alciatore":
+    if scene.makes_varied:
         says.append("u_b by Alciatore's law from the contact slip before")
     return (f"Scene `{scene.name}`: {'; '.join(says)}.",) if says else ()

@@ -1,0 +1,56 @@
+"""Two balls that collide on a table, as a row of the registry of impacts."""
+
+from __future__ import annotations
+
+from ..impact import Evidence, Functions, Impact, Status, Words
+from . import words
+from .columns import COLUMNS
+from .models import DEFAULT_MODEL, MODELS
+from .parameters import PARAMETERS
+from .scene import scenes
+
+_STATUSES = (
+    Status("OK", 0, "collided"),
+    Status("SEPARATING", 1, "not approaching: velocities as they came"),
+    Status("BAD_INPUT", 2, "not finite, coincident, or outside the scene: as they came"),
+    Status("TILTED", 3, "rises by more than 1e-6 of its length: as they came"),
+)
+
+
+def _words() -> Words:
+    return words
+
+
+BALL_BALL = Impact(
+    name="ball-ball",
+    text="two balls of one radius on a table",
+    folder="ball_ball",
+    parameters=PARAMETERS,
+    columns=COLUMNS,
+    functions=Functions(
+        params="params",
+        collide="collide",
+        batch="collide_batch",
+        bodies=(("ball1", 9), ("ball2", 9)),
+        results=(("out1", 9), ("out2", 9)),
+        batch_in=18,
+        batch_out=12,
+        varied="u_b",
+    ),
+    statuses=_STATUSES,
+    ends="the normal impulse has done e_b^2 of the work of compression in restitution",
+    evidence=Evidence(
+        bench="ball_ball",
+        oracle="ball_ball",
+        reference="reference",
+        published=(
+            "Li, Egger, Ruff, Pfingsten, Optimizing ball to ball collisions on Zen 3 architecture",
+            "Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Tables 1 and 2",
+        ),
+    ),
+    default_model=DEFAULT_MODEL,
+    has_kernels=True,
+    model_table=lambda: MODELS,
+    scene_table=scenes,
+    words=_words,
+)
