@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT-0
  * scene:    any
  * remake:   ./gen emit --header any
- * inputs:   sha256 eb5a2c25b97426b9
+ * inputs:   sha256 708cf0b95ba7f9b8
  */
 #ifndef CAROM_H_
 #define CAROM_H_
