@@ -8,7 +8,6 @@ import click
 
 from .. import api
 from ..errors import InputError
-from ..targets.host import read_host
 from . import options
 from .show import rows_of, session, show, three_digits
 
@@ -52,6 +51,8 @@ def list_rows(what: str, as_json: bool, cost: bool, target: str, seconds: float)
 
 def _unknown_host() -> str:
     """What this machine's CPU is taken for, where it is none of the targets."""
+    from ..targets.host import read_host
+
     host = read_host()
     told = f" ({host.cpu} is not known: native is its nearest ancestor, {host.target.name})"
     return "" if host.exact else told
