@@ -1,7 +1,7 @@
 """What an impact is: mechanics and data, and the words for headers and errors.
 
-One folder holds all of an impact; `impacts.registry` has one row for each. Nothing outside these
-folders knows what collides. This module loads neither SymPy nor NumPy: what needs them is a
+One folder holds all of an impact; `impacts.registry` has one row for each. What outside these
+folders still knows what collides is counted by tests/python/test_impacts.py. This module loads neither SymPy nor NumPy: what needs them is a
 function of the row, which loads it when it is called.
 """
 
@@ -39,16 +39,6 @@ class Functions:
     varied: str  # the parameter of which a batch may have one for each collision
 
 
-@dataclass(frozen=True)
-class Evidence:
-    """Names of what holds an impact's kernels to the mechanics, each in a folder of its own."""
-
-    bench: str  # in bench/impacts/: cases and columns
-    oracle: str  # in tests/oracle/: the exact solver, written apart
-    reference: str  # in tests/data/: cases and their exact results
-    published: tuple[str, ...]  # figures of papers that kernels must reproduce
-
-
 class Model(Protocol):
     """A contact model: what users ask for by name."""
 
@@ -79,13 +69,11 @@ class Impact:
 
     name: str
     text: str
-    folder: str  # of its modules, templates, cases and oracle: ball_ball
     parameters: tuple[Parameter, ...]
     columns: Columns
     functions: Functions
     statuses: tuple[Status, ...]
     ends: str  # what ends the collision
-    evidence: Evidence
     default_model: str
     has_kernels: bool  # do emission and the steppers make kernels of it?
     model_table: Callable[[], tuple[Model, ...]] = field(repr=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..impact import Evidence, Functions, Impact, Status, Words
+from ..impact import Functions, Impact, Status, Words
 from . import words
 from .columns import COLUMNS
 from .models import DEFAULT_MODEL, MODELS
@@ -24,7 +24,6 @@ def _words() -> Words:
 BALL_BALL = Impact(
     name="ball-ball",
     text="two balls of one radius on a table",
-    folder="ball_ball",
     parameters=PARAMETERS,
     columns=COLUMNS,
     functions=Functions(
@@ -39,15 +38,6 @@ BALL_BALL = Impact(
     ),
     statuses=_STATUSES,
     ends="the normal impulse has done e_b^2 of the work of compression in restitution",
-    evidence=Evidence(
-        bench="ball_ball",
-        oracle="ball_ball",
-        reference="reference",
-        published=(
-            "Li, Egger, Ruff, Pfingsten, Optimizing ball to ball collisions on Zen 3 architecture",
-            "Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Tables 1 and 2",
-        ),
-    ),
     default_model=DEFAULT_MODEL,
     has_kernels=True,
     model_table=lambda: MODELS,

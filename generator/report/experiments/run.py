@@ -31,8 +31,8 @@ from .times import GROWTH, Study, growth_of, time_all, time_calls, time_kinds
 
 SAMPLE_SECONDS = 1.5
 PROFILED_CASES = 512  # of the timed ones
-# Seconds that a kernel took on two cores of a Zen 4: to be built and verified, to be profiled, to
-# be replayed on a target. A schedule starts from them.
+# First guesses of seconds that a kernel takes: to be built and verified, to be profiled, to be
+# replayed on a target. A schedule starts from them and follows what the stages did take.
 _BUILT, _PROFILED, _REPLAYED = 6.0, 20.0, 4.0
 
 

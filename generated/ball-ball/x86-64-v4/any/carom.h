@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT-0
  * scene:    any
  * remake:   ./gen emit --header any
- * inputs:   sha256 708cf0b95ba7f9b8
+ * inputs:   sha256 266ff263e60aec09
  */
 #ifndef CAROM_H_
 #define CAROM_H_
