@@ -1,8 +1,8 @@
 """What an impact is: mechanics and data, and the words for headers and errors.
 
 One folder holds all of an impact; `impacts.registry` has one row for each. What outside these
-folders still knows what collides is counted by tests/python/test_impacts.py. This module loads neither SymPy nor NumPy: what needs them is a
-function of the row, which loads it when it is called.
+folders still knows what collides is counted by tests/python/test_impacts.py. This module loads
+neither SymPy nor NumPy: what needs them is a function of the row, which loads it when it is called.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT-0
  * scene:    any
  * remake:   ./gen emit --header any
- * inputs:   sha256 266ff263e60aec09
+ * inputs:   sha256 fa32eff038833ebd
  */
 #ifndef CAROM_H_
 #define CAROM_H_
