@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from ..impact import Functions, Impact, Status, Words
-from . import words
+from . import scene, words
 from .columns import COLUMNS
 from .models import DEFAULT_MODEL, MODELS
 from .parameters import PARAMETERS
-from .scene import scenes
 
 _STATUSES = (
     Status("OK", 0, "collided"),
@@ -41,6 +40,6 @@ BALL_BALL = Impact(
     default_model=DEFAULT_MODEL,
     has_kernels=True,
     model_table=lambda: MODELS,
-    scene_table=scenes,
+    scene_table=lambda: scene.scenes(),  # asked anew: the one table, whoever has added to it
     words=_words,
 )

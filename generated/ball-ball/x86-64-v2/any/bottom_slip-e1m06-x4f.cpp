@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 lane_root=est1
 // counts:   215 add, 306 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/bottom_slip-e1m06-x4f dp54 root=est1 lane_root=est1
-// inputs:   sha256 d4bcd416fa4318ae
+// inputs:   sha256 dc2ed2fd9c440ddc
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 6.39e-07
 #include "carom.h"
 

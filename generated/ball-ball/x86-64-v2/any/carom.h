@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT-0
  * scene:    any
  * remake:   ./gen emit --header any
- * inputs:   sha256 fa32eff038833ebd
+ * inputs:   sha256 495f5d221ea2b931
  */
 #ifndef CAROM_H_
 #define CAROM_H_

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1
 // counts:   215 add, 307 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/mathavan2014-e1m06-x1 dp54 root=est1
-// inputs:   sha256 2e53488694a2a61b
+// inputs:   sha256 194eb5873e817d4a
 // chosen:   modelled by llvm-mca for nehalem, 8 kernels; largest error under the worst root estimates 5.02e-07
 #include "carom.h"
 

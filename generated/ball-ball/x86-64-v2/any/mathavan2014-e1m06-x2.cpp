@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 lane_root=est1 interleave=i2
 // counts:   215 add, 307 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/mathavan2014-e1m06-x2 dp54 root=est1 lane_root=est1 interleave=i2
-// inputs:   sha256 14d3aefbd2f4a0f5
+// inputs:   sha256 3360c56d6c8351f3
 // chosen:   modelled by llvm-mca for nehalem, 3 kernels; largest error under the worst root estimates 5.02e-07
 #include "carom.h"
 

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/mathavan2014-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage
-// inputs:   sha256 46f09a69b75c7764
+// inputs:   sha256 f01efbfe96f02138
 // chosen:   modelled by llvm-mca for nehalem, 15 kernels
 #include "carom.h"
 

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage lane_root=cubic finished=refilled interleave=i3
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/mathavan2014-n1000-x2 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage lane_root=cubic finished=refilled interleave=i3
-// inputs:   sha256 8ec71fb84f41f6ad
+// inputs:   sha256 e8af39f348235bd2
 // chosen:   modelled by llvm-mca for nehalem, 3 kernels; largest error under the worst root estimates 5.74e-06
 #include "carom.h"
 

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic
 // counts:   215 add, 306 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/pooltool-e1m06-x1 dp54 root=cubic
-// inputs:   sha256 ec46957cdd7d5598
+// inputs:   sha256 62b3d68171522d23
 // chosen:   modelled by llvm-mca for nehalem, an earlier choice
 #include "carom.h"
 

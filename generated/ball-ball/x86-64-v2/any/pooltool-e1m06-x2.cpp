@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic lane_root=cubic
 // counts:   215 add, 306 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/pooltool-e1m06-x2 dp54 root=cubic lane_root=cubic
-// inputs:   sha256 f7cf82d1183c7bde
+// inputs:   sha256 1441806b4adeba7e
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 3.05e-07
 #include "carom.h"
 

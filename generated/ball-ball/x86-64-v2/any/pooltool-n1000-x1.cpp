@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/pooltool-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost
-// inputs:   sha256 e933216a17f2bc1f
+// inputs:   sha256 4d69ecbcc15cae9e
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target
 #include "carom.h"
 

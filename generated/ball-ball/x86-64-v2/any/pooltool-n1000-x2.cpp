@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/pooltool-n1000-x2 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
-// inputs:   sha256 6256660d1f579bc2
+// inputs:   sha256 2318161a778bb5f6
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 5.77e-06
 #include "carom.h"
 

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/bottom_slip-e1m06-x8f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 f252284414570ab9
+// inputs:   sha256 b6754dd321f1d2d9
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 6.16e-07
 #include "carom.h"
 

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v3/any/bottom_slip-n1000-x4 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
-// inputs:   sha256 6c2ebb3e2f322b18
+// inputs:   sha256 8be63ac72da7e6c2
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 5.74e-06
 #include "carom.h"
 

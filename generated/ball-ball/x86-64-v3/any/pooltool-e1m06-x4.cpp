@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic fma=fma lane_root=cubic
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/pooltool-e1m06-x4 dp54 root=cubic fma=fma lane_root=cubic
-// inputs:   sha256 8e41de977450db2c
+// inputs:   sha256 fb116b97abb8ecaf
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 3.05e-07
 #include "carom.h"
 

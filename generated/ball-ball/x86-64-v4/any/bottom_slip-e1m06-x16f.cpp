@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic fma=fma lane_root=est1
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/bottom_slip-e1m06-x16f dp54 root=cubic fma=fma lane_root=est1
-// inputs:   sha256 1e62f3dc5592b8ab
+// inputs:   sha256 cbc3fc598a0481c8
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 6.39e-07
 #include "carom.h"
 

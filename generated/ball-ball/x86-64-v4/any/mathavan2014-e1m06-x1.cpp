@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   17 add, 109 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/mathavan2014-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 ed20d3dde9130b26
+// inputs:   sha256 09855ef495d823cd
 // chosen:   modelled by llvm-mca for skylake-avx512, an earlier choice
 #include "carom.h"
 

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   17 add, 109 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/mathavan2014-e1m06-x16f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 c27f1220634edf23
+// inputs:   sha256 8101e44a702f966e
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 5.57e-07
 #include "carom.h"
 

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/pooltool-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 2333ba3d9d303814
+// inputs:   sha256 c980117be33aabec
 // chosen:   modelled by llvm-mca for skylake-avx512, an earlier choice
 #include "carom.h"
 

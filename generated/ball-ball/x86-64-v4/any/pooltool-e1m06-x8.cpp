@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/pooltool-e1m06-x8 dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 0111f552d3f4ece0
+// inputs:   sha256 f3ced104152fcc39
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 8.21e-07
 #include "carom.h"
 

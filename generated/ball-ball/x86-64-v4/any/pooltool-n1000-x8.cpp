@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=est1 finished=aside interleave=i3
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v4/any/pooltool-n1000-x8 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=est1 finished=aside interleave=i3
-// inputs:   sha256 ff3911f30b751213
+// inputs:   sha256 38477b159acf161f
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 5.77e-06
 #include "carom.h"
 

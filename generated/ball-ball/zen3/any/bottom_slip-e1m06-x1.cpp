@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/bottom_slip-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 ed9f1064550564e2
+// inputs:   sha256 6c12591c63472974
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 24 records of ball-ball/any/mathavan2014-e1m06-scalar, as none of these kernels; largest error under the worst root estimates 5.51e-07
 #include "carom.h"
 

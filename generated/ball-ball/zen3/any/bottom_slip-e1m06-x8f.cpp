@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/bottom_slip-e1m06-x8f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 5aad51bfafc7ecff
+// inputs:   sha256 2aae8a9570936de2
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 18 records of ball-ball/any/mathavan2014-e1m06-batch, as none of these kernels; largest error under the worst root estimates 6.16e-07
 #include "carom.h"
 

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   17 add, 109 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/mathavan2014-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 d3248360457c03c0
+// inputs:   sha256 19d8c2dd33353ab3
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 24 records, 24 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 5.02e-07
 #include "carom.h"
 

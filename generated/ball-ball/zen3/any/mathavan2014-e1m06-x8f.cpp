@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   17 add, 109 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/mathavan2014-e1m06-x8f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 338ad06e4b4211bd
+// inputs:   sha256 d7cbf2b631283e9f
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 18 records, 18 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 5.5e-07
 #include "carom.h"
 

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/zen3/any/mathavan2014-n1000-x4 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
-// inputs:   sha256 1a418c4413bc6fed
+// inputs:   sha256 9ac72a719d04c3bc
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29, 9 records, 9 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 5.74e-06
 #include "carom.h"
 

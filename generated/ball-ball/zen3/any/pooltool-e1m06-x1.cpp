@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic fma=fma
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/pooltool-e1m06-x1 dp54 root=cubic fma=fma
-// inputs:   sha256 4ec747513c69e620
+// inputs:   sha256 c22d0e6ffbb96eb9
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29, 18 records, 18 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 3.05e-07
 #include "carom.h"
 
