@@ -37,7 +37,7 @@ every_kernel build/fuzz-memory
 
 say "static analysis: clang-tidy over C++, ruff with bandit's rules over Python"
 cmake --preset default >/dev/null
-# lanes_test.cpp is none of CMake's files: tests/python/test_lanes.py renders what it includes and builds it.
+# lanes_test.cpp is none of CMake's files: tests/emission/test_lanes.py renders what it includes and builds it.
 GLOBIGNORE=tests/cpp/lanes_test.cpp
 clang-tidy-19 -p build/default --quiet bench/*.cpp tests/cpp/*.cpp
 clang-tidy-19 -p build/fuzz --quiet fuzz/*.cpp

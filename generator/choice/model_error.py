@@ -1,6 +1,6 @@
 """How far llvm-mca's cycles are off, as records of CPUs tell: what it cannot tell apart.
 
-`.venv/bin/python -m pytest -s -m long tests/python/test_model_order.py` prints these figures and
+`.venv/bin/python -m pytest -s -m long tests/choice/test_model_order.py` prints these figures and
 fails where they are no longer true.
 """
 

@@ -1,7 +1,7 @@
 """What an impact is: mechanics and data, and the words for headers and errors.
 
 One folder holds all of an impact; `impacts.registry` has one row for each. What outside these
-folders still knows what collides is counted by tests/python/test_impacts.py. This module loads
+folders still knows what collides is counted by tests/impacts/test_impacts.py. This module loads
 neither SymPy nor NumPy: what needs them is a function of the row, which loads it when it is called.
 """
 

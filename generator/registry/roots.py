@@ -12,7 +12,7 @@ EXACT_ROOTS = ("inv", "ieee")  # by sqrt and division
 COARSEST_FIRST = ("est0", "est1", "cubic", "est2", "inv")
 # Friction is made by multiplying with an inverse root, so a root that is off by a share is friction
 # that is off by that share. How much of it the exact result is then off by, relative to |v1 - v2|:
-# the most that the oracle finds, whatever kernel there is (tests/python/test_worst_estimates.py).
+# the most that the oracle finds, whatever kernel there is (tests/kernels/test_worst_estimates.py).
 # Where the table drives its slip away from zero, a slip that just passes zero grows for long after.
 _AMPLIFICATION, _AMPLIFICATION_OF_DRIVEN_SLIP = 2.4, 148.0
 # What friction is off by where the slips that it follows are rounded to floats: a unit in the last
