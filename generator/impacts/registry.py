@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from ..errors import InputError
 from .ball_ball.row import BALL_BALL
+from .ball_cushion.row import BALL_CUSHION
 from .impact import Impact
 
-IMPACTS: tuple[Impact, ...] = (BALL_BALL,)
+IMPACTS: tuple[Impact, ...] = (BALL_BALL, BALL_CUSHION)
 DEFAULT = BALL_BALL.name
 
 

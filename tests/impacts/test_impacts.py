@@ -21,9 +21,9 @@ from generator.registry.question import find_impact, read_question
 from tests.support.kernels import ROOT
 
 OWN = (
-    "generator/impacts/ball_ball/*",
-    "templates/ball_ball/*",
-    "bench/impacts/ball_ball/*",
+    "generator/impacts/ball_*/*",
+    "templates/ball_*/*",
+    "bench/impacts/ball_*/*",
 )
 NAMES = re.compile(
     r"\bballs?[12]?\b|\bball_ball\b|\b(?:u_s1|u_s2|u_b|e_b)\b|\[(?:9|12|18)\]", re.IGNORECASE

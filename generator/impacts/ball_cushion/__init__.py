@@ -1,0 +1,1 @@
+"""A ball and a cushion: contacts, contact models, parameters, scenes and what ends the impact."""

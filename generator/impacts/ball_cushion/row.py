@@ -1,0 +1,44 @@
+"""A ball that runs into a cushion, as a row of the registry of impacts."""
+
+from __future__ import annotations
+
+from ..impact import Functions, Impact, Status, Words
+from . import scene, words
+from .columns import COLUMNS
+from .models import DEFAULT_MODEL, MODELS
+from .parameters import PARAMETERS
+
+_STATUSES = (
+    Status("OK", 0, "collided"),
+    Status("SEPARATING", 1, "not moving into the cushion: velocities as they came"),
+    Status("BAD_INPUT", 2, "not finite, no normal, jamming, or outside the scene: as they came"),
+)
+
+
+def _words() -> Words:
+    return words
+
+
+BALL_CUSHION = Impact(
+    name="ball-cushion",
+    text="a ball that rolls or slides on a table into a cushion",
+    parameters=PARAMETERS,
+    columns=COLUMNS,
+    functions=Functions(
+        params="cushion_params",
+        collide="cushion_collide",
+        batch="cushion_collide_batch",
+        bodies=(("ball", 6), ("normal", 2)),
+        results=(("out", 6),),
+        batch_in=8,
+        batch_out=6,
+        varied="u_w",
+    ),
+    statuses=_STATUSES,
+    ends="the normal impulse has done e_c^2 of the work of compression in restitution",
+    default_model=DEFAULT_MODEL,
+    has_kernels=False,
+    model_table=lambda: MODELS,
+    scene_table=lambda: scene.scenes(),  # asked anew: the one table, whoever has added to it
+    words=_words,
+)
