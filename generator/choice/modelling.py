@@ -125,7 +125,7 @@ def loop_report(
     `region`: of another loop, as marked in the text.
     """
     region = region or ("lanes" if candidate.is_batch else "loop")
-    sources = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
+    sources = candidate.with_regions
     compiler, flags = candidate.compiler, candidate.flags
 
     def make() -> dict[str, object]:

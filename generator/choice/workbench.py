@@ -43,6 +43,7 @@ from ..targets.target import Target
 from ..toolchain.build import BuildJob, BuiltLibrary, build, build_many, cache_key
 from ..toolchain.compilers import Compiler, march_flags
 from ..toolchain.flags import compile_flags
+from ..toolchain.mca import with_regions
 from ..toolchain.replay import Modelled
 from .store import Store, key_of
 from .verifying import (
@@ -103,6 +104,11 @@ class Candidate:
             "kernel.cpp": self.source.source,
             "probe.cpp": self.source.probe,
         }
+
+    @property
+    def with_regions(self) -> dict[str, str]:
+        """The kernel alone, with the regions that llvm-mca knows."""
+        return {"carom.h": self.source.header, "kernel.cpp": with_regions(self.source.marked)}
 
 
 @dataclass

@@ -30,6 +30,7 @@ from ..targets.target import Target, target_or_port
 from .banner import bannered
 from .environment import environment
 from .formatting import format_source
+from .marks import without_marks
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ class KernelSource:
     probe: str
     counts: OperationCounts  # of one iteration (fixed step), one step, or the closed form
     text_counts: OperationCounts  # of all that stands in the source
+    marked: str = ""  # as `source`, not formatted, with the marks of emission/marks.py
 
 
 @dataclass
@@ -408,7 +410,7 @@ def emit(
     if line := isa.estimates_line(text):
         context.contract += tuple(textwrap.wrap(line, 96))
         text = bannered("kernel.cpp.j2", rows, remake, data, shown, grounds=grounds)
-    source = format_source(text, variant.question.file)
+    source = format_source(without_marks(text), variant.question.file)
     return KernelSource(
         variant=variant,
         source_name=name,
@@ -417,6 +419,7 @@ def emit(
         probe=emit_probe(naming.prefix, fields, fixed_step, law=bool(context.law)),
         counts=counts,
         text_counts=operations_in(source),
+        marked=text,
     )
 
 

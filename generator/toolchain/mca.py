@@ -12,11 +12,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from ..emission.marks import filled, only_where
 from ..errors import KernelError
 from ..targets.target import Target
 from .compilers import Compiler
+from .loops import RARE, marked_loops, marked_text
 from .loops import Path as LoopPath
-from .loops import marked_loops, marked_text
 from .process import run
 
 ITERATIONS = 100
@@ -71,16 +72,30 @@ def require_mca() -> Mca:
     return mca
 
 
+def with_regions(marked: str) -> str:
+    """A kernel's marked text with the regions of llvm-mca and the blocks that hardly ever run."""
+
+    def line_for(name: str, region: str = "", *condition: str) -> str:
+        if name == "rare":
+            return f'__asm__ volatile("# {RARE}");'
+        if name == "declare":
+            return " ".join((region, *condition))
+        if name not in ("begin", "end") or region == "step":
+            return ""
+        statement = f'__asm__ volatile("# LLVM-MCA-{name.upper()} {region}");'
+        return only_where(condition, statement)
+
+    return filled(marked, line_for)
+
+
 def assembly_of(
     sources: Mapping[str, str],
     include_dirs: Iterable[Path],
     compiler: Compiler,
     flags: Iterable[str],
     label: str = "kernel",
-    markers: bool = True,
 ) -> str:
-    """The assembly text of sources; `markers`: with those of llvm-mca's regions (CAROM_MCA)."""
-    marking = ["-DCAROM_MCA"] if markers else []
+    """The assembly text of sources."""
     with tempfile.TemporaryDirectory(prefix="carom-mca-") as scratch:
         folder = Path(scratch)
         for name, text in sources.items():
@@ -89,7 +104,7 @@ def assembly_of(
         includes = [f"-I{path.resolve()}" for path in include_dirs]
         texts = []
         for name in (n for n in sources if n.endswith((".cpp", ".cc", ".cxx"))):
-            options = [*flags, *marking, "-I.", *includes, "-S", name, "-o", "out.s"]
+            options = [*flags, "-I.", *includes, "-S", name, "-o", "out.s"]
             done = run([compiler.path, *options], _TIMEOUT, cwd=folder)
             if done.code != 0:
                 raise KernelError(f"{label} ({compiler.code}): {done.first_error}")
@@ -174,7 +189,9 @@ def _candidates(assembly: str, region: str) -> tuple[list[LoopPath], str]:
         return paths[:some], note
     texts = marked_text(assembly, region)
     if not texts:
-        raise KernelError(f"no LLVM-MCA region '{region}' in the assembly; was CAROM_MCA defined?")
+        raise KernelError(
+            f"no LLVM-MCA region '{region}' in the assembly; was its text marked (with_regions)?"
+        )
     return [LoopPath(max(texts, key=len), 1)], "marked text, which is in no loop"
 
 

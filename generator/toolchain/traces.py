@@ -195,7 +195,7 @@ def traced(
     Raises KernelError where the kernel does not compile.
     """
     own: Sequence[str] = tuple(flags)
-    text = assembly_of(sources, (), compiler, (*own, "-fPIC"), label, markers=False)
+    text = assembly_of(sources, (), compiler, (*own, "-fPIC"), label)
     marked, blocks = instrumented(text, arch)
     headers = {name: text for name, text in sources.items() if name.endswith(".h")}
     files = {**headers, **adapter, "kernel.s": marked, "trace.cpp": _STORE}

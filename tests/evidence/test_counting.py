@@ -110,5 +110,5 @@ def test_committed_kernels_take_the_operations_that_their_files_state(tmp_path: 
 
 
 def test_a_text_without_regions_is_refused() -> None:
-    with pytest.raises(KernelError, match="CAROM_REGION_BEGIN"):
+    with pytest.raises(KernelError, match="no mark `//@ begin`"):
         instrumented("int main() {}")

@@ -20,7 +20,7 @@ from generator.targets.target import find_target
 from generator.toolchain.build import build_library
 from generator.toolchain.flags import compile_flags
 from generator.toolchain.loops import marked_loops
-from generator.toolchain.mca import analyse, assembly_of, find_mca
+from generator.toolchain.mca import analyse, assembly_of, find_mca, with_regions
 from tests.support.kernels import CACHE, bench_tool, compiler_of
 
 EULER = fixed_steps(1000)
@@ -34,6 +34,10 @@ def _kernel(preset: str, target: str = "x86-64-v2") -> tuple[Variant, KernelSour
 
 def _files(source: KernelSource) -> dict[str, str]:
     return {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
+
+
+def _with_regions(source: KernelSource) -> dict[str, str]:
+    return {"carom.h": source.header, "kernel.cpp": with_regions(source.marked)}
 
 
 def _line(source: str, text: str) -> int:
@@ -130,7 +134,7 @@ def test_a_loop_of_exact_lanes_has_a_bound_that_its_steps_scale(tmp_path: Path) 
     assert 1.0 < steps < 4.0 and once == round(once)
     if find_mca() is None:
         pytest.skip("llvm-mca is not installed")
-    sources = {k: v for k, v in _files(emit(wide)).items() if k != "probe.cpp"}
+    sources = _with_regions(emit(wide))
     text = assembly_of(sources, (), compiler, compile_flags(wide, compiler, target), "bound")
     report = analyse(text, target, "lanes")
     print(f"{report.throughput_bound:.0f} cycles a pass of two lanes; {report.note}")
@@ -148,7 +152,7 @@ def test_reading_and_writing_a_collision_has_a_bound_too() -> None:
     for width, numbers in ((4, "own"), (8, "float")):
         wide = make_variant(*head, width, numbers=numbers, **options)
         compiler = compiler_of(wide)
-        sources = {k: v for k, v in _files(emit(wide)).items() if k != "probe.cpp"}
+        sources = _with_regions(emit(wide))
         text = assembly_of(sources, (), compiler, compile_flags(wide, compiler, target), "bound")
 
         def bound(region: str, text: str = text) -> float:

@@ -32,13 +32,9 @@ CHAIN = """
 #include <cmath>
 extern "C" double chain(double s, int n) {
   for (int i = 0; i < n; ++i) {
-#ifdef CAROM_MCA
     asm volatile("# LLVM-MCA-BEGIN loop");
-#endif
     s = std::sqrt(s * 1.5 + 2.0) / 3.0;
-#ifdef CAROM_MCA
     asm volatile("# LLVM-MCA-END loop");
-#endif
   }
   return s;
 }

@@ -14,6 +14,7 @@ from typing import Any
 
 from ...emission.environment import environment
 from ...emission.kernel_source import KernelSource
+from ...emission.marks import MARK, filled, only_where
 from ...errors import KernelError
 from ...impacts.ball_ball.parameters import case_value
 from ...impacts.ball_ball.scene import find_scene
@@ -26,21 +27,8 @@ from .isolated import call_isolated
 KINDS = ("add", "mul", "fma", "div", "sqrt", "estimate", "call", "rare")
 _APART = ("call", "rare")  # no operations of their own
 TIMEOUT = 300.0
-_REGION = re.compile(r"^#define CAROM_REGION_(BEGIN|END)\(name\) static_cast<void>\(0\)$", re.M)
-_RARE = re.compile(r"^#define CAROM_RARE\(\) static_cast<void>\(0\)$", re.M)
 _VECTOR = re.compile(r"typedef (double|float) (\w+) __attribute__\(\(vector_size\((\d+)\)\)\);")
 _SIZES = {"double": 8, "float": 4}
-_EVALUATION = re.compile(r"\b(?:rates_at|tail_rates)\(const Start& start,[^;{]*\) \{")
-_ITERATION = re.compile(r"\+\+count > limit")
-_STEP_BEGIN = re.compile(r"^ *// \d+ stages$", re.M)
-_STEP_END = re.compile(
-    r"^ *// Inside the step: the end of compression, and the end\.$"
-    r"|^ *at\.c_x = select\(keeps, |^ *at\.gain_c_x = select\(keeps, ",
-    re.M,
-)
-_ROOT = re.compile(
-    r"\b(?:rsqrt|rough_rsqrt|inverse_root)\(Real n\) \{|\bReal (?:of\(Real x\)|whole\(\)) const \{"
-)
 
 
 @dataclass(frozen=True)
@@ -50,7 +38,7 @@ class Passages:
     times: int
     counts: OperationCounts
     calls: int  # of functions of the library, as exp
-    rare: int  # blocks marked CAROM_RARE: guesses that were refused
+    rare: int  # blocks with the mark `rare`: guesses that were refused
 
 
 @dataclass(frozen=True)
@@ -85,26 +73,30 @@ class Counted:
         return self.total.flops / max(self.collisions, 1)
 
 
-def instrumented(text: str) -> str:
-    """A kernel's text with counters where its regions and evaluations begin and end.
+def instrumented(marked: str) -> str:
+    """A kernel's marked text with counters where its regions and evaluations begin and end.
 
     Raises KernelError where the text has no regions to hook into.
     """
-    text, hooked = _REGION.subn(
-        lambda m: f"#define CAROM_REGION_{m[1]}(name) counted::regions.{m[1].lower()}(name)", text
+    if f"{MARK}begin" not in marked:
+        raise KernelError(f"counting: the kernel's text has no mark `{MARK}begin`")
+    return _VECTOR.sub(
+        lambda m: f"typedef counted::Lanes<{m[1]}_, {int(m[3]) // _SIZES[m[1]]}> {m[2]};",
+        filled(marked, _counter),
     )
-    if hooked != 2:
-        raise KernelError("counting: the kernel's text has no CAROM_REGION_BEGIN and _END")
-    text = _VECTOR.sub(
-        lambda m: f"typedef counted::Lanes<{m[1]}_, {int(m[3]) // _SIZES[m[1]]}> {m[2]};", text
-    )
-    text = _EVALUATION.sub(lambda m: f"{m[0]} ++counted::evaluations;", text)
-    text = _RARE.sub("#define CAROM_RARE() ++counted::tally.of[counted::k_rare]", text)
-    text = _ITERATION.sub("++counted::evaluations, ++count > limit", text)
-    text = _ROOT.sub(lambda m: f"{m[0]} const counted::Apart apart;", text)
-    text = _STEP_BEGIN.sub(lambda m: f'{m[0]}\n  counted::regions.begin("step");', text)
-    # Once: where slips and their changes are both kept, the first line of the two ends the step.
-    return _STEP_END.sub(lambda m: f'  counted::regions.end("step");\n{m[0]}', text, count=1)
+
+
+def _counter(name: str, region: str = "", *condition: str) -> str:
+    """What counts in place of a mark (emission/marks.py)."""
+    if name == "declare":
+        return " ".join((region, *condition))
+    if name in ("begin", "end"):
+        return only_where(condition, f'counted::regions.{name}("{region}");')
+    return {
+        "rare": "++counted::tally.of[counted::k_rare];",
+        "evaluation": "++counted::evaluations;",
+        "root": "const counted::Apart apart;",
+    }[name]
 
 
 def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
@@ -117,7 +109,7 @@ def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
         for name in ("counted.h", "count.cpp")
     }
     # Only count.cpp is compiled: the kernel is included in it.
-    kernel = {"carom.h": source.header, "kernel.inc": instrumented(source.source)}
+    kernel = {"carom.h": source.header, "kernel.inc": instrumented(source.marked)}
     return {**kernel, **render}
 
 

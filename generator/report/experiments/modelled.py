@@ -94,7 +94,7 @@ def _replayed(
 def _loop_figures(bench: Workbench, candidate: Candidate, target: Target) -> dict[str, Any]:
     """Of the marked loop, from the store or made now."""
     compiler, flags = candidate.compiler, candidate.flags
-    sources = {name: text for name, text in candidate.sources.items() if name != "probe.cpp"}
+    sources = candidate.with_regions
 
     def make() -> dict[str, Any]:
         text = assembly_of(sources, (), compiler, flags, candidate.name)
