@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..choice.lookup import entries_for
-from ..emission.kernel_source import KernelSource, emit_header
+from ..emission.header import emit_header
+from ..emission.kernel_source import KernelSource
 from ..emission.kernel_source import emit as emit_variant
 from ..errors import InputError
 from ..impacts.ball_ball.derivation import LEGEND, Chapter, derivation
 from ..impacts.ball_ball.models import DEFAULT_MODEL, find_model
-from ..impacts.ball_ball.scene import find_scene
 from ..registry.axes import axis
 from ..registry.names import name_of, source_name_of
 from ..registry.presets import find_preset
+from ..registry.question import DEFAULT_IMPACT, find_impact
 from ..registry.variant import Variant, fixed_steps, make_variant
 from ..targets.target import find_target
 from .request import kernel_named
@@ -34,8 +35,10 @@ def emit(kernel: str, session: Session | None = None) -> str:
 
 
 def header(scene: str) -> str:
-    """The text of `carom.h` for a scene. Raises InputError where there is no such scene."""
-    return emit_header(find_scene(scene))
+    """The text of `carom.h` for a scene, or `IMPACT/SCENE`. InputError where there is none such."""
+    impact, _, name = scene.rpartition("/")
+    of = find_impact(impact or DEFAULT_IMPACT)
+    return emit_header(of, of.find_scene(name))
 
 
 def _source(variant: Variant, kernel: str, grounds: str = "") -> KernelSource:

@@ -14,7 +14,7 @@ from .show import session
 
 @click.command()
 @click.argument("kernel", nargs=-1, metavar="[QUESTION [RECIPE]]")
-@click.option("--header", metavar="SCENE", help="the header of a scene instead of a kernel")
+@click.option("--header", metavar="[IMPACT/]SCENE", help="the header of a scene instead")
 @click.option("--out", type=options.PLACE, help="file to write instead of printing")
 def emit(kernel: tuple[str, ...], header: str | None, out: Path | None) -> None:
     """Print the text of the kernel that answers QUESTION by RECIPE; without one, of the chosen one.

@@ -15,7 +15,8 @@ from pathlib import Path
 from ..choice.candidates import default_lanes
 from ..choice.lookup import default_kernel
 from ..emission.client_file import client_file
-from ..emission.kernel_source import KernelSource, Naming, emit
+from ..emission.context import Naming
+from ..emission.kernel_source import KernelSource, emit
 from ..files import write_file
 from ..impacts.ball_ball.models import MODELS
 from ..impacts.ball_ball.scene import find_scene

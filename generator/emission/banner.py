@@ -13,9 +13,10 @@ from .environment import rendered, templates_folder
 
 LICENCE = "MIT-0"
 _PACKAGE = Path(__file__).parents[1]
-# What shapes a text beside its templates. Scenes, targets and options are data of each kernel: a
-# new one changes no other kernel.
-SHAPING = ("impacts", "tableaus", "lowering", "steppers", "emission")
+# What shapes a text beside its templates and the folder of its impact. Scenes, targets and options
+# are data of each kernel: a new one changes no other kernel, nor does a new impact.
+SHAPING = ("tableaus", "lowering", "steppers", "emission")
+OF_ALL_IMPACTS = ("columns.py", "impact.py", "scene.py")
 PINS = ("clang-format", "jinja2", "sympy")
 _PLACE = "@banner@"
 
@@ -71,14 +72,25 @@ def _text(path: Path) -> str:
 @cache
 def _generator() -> tuple[str, ...]:
     """Modules that shape texts, and versions of the tools that do."""
-    return tuple(_modules()) + tuple(_pins())
+    return (*_modules(_shaping()), *_pins())
 
 
-def _modules() -> Iterator[str]:
+@cache
+def impact_modules(folder: str) -> tuple[str, ...]:
+    """The modules of an impact, as a part of the data that its texts follow from."""
+    return tuple(_modules((_PACKAGE / "impacts" / folder).rglob("*.py")))
+
+
+def _shaping() -> Iterator[Path]:
     for room in SHAPING:
-        for path in sorted((_PACKAGE / room).rglob("*.py")):
-            yield path.relative_to(_PACKAGE).as_posix()
-            yield _text(path)
+        yield from (_PACKAGE / room).rglob("*.py")
+    yield from (_PACKAGE / "impacts" / name for name in OF_ALL_IMPACTS)
+
+
+def _modules(paths: Iterable[Path]) -> Iterator[str]:
+    for path in sorted(paths):
+        yield path.relative_to(_PACKAGE).as_posix()
+        yield _text(path)
 
 
 def _pins() -> Iterator[str]:

@@ -7,6 +7,7 @@ neither SymPy nor NumPy: what needs them is a function of the row, which loads i
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -26,17 +27,75 @@ class Status:
 
 
 @dataclass(frozen=True)
-class Functions:
-    """The C ABI: names behind the prefix, and the lengths of the arrays of doubles."""
+class Body:
+    """An array of doubles that a call is given; a batch has an array for each of its numbers."""
 
-    params: str  # the struct of the parameters
-    collide: str
-    batch: str
-    bodies: tuple[tuple[str, int], ...]  # what goes in, by argument
-    results: tuple[tuple[str, int], ...]  # what comes out
-    batch_in: int  # arrays of a batch
-    batch_out: int
+    name: str
+    doubles: int
+
+
+@dataclass(frozen=True)
+class Result:
+    """An array of doubles that a call gives, laid out as the body that it replaces.
+
+    Of its numbers only `changed` of them, from `first` on, are new; a batch gives these alone.
+    """
+
+    name: str
+    body: str
+    doubles: int
+    first: int
+    changed: int
+
+
+@dataclass(frozen=True)
+class Functions:
+    """The C ABI. Results replace the first bodies, in their order: a call may do so in place."""
+
+    prefix: str  # behind the user's, of the struct and the functions: empty, or as `cushion_`
+    bodies: tuple[Body, ...]  # what goes in
+    results: tuple[Result, ...]  # what comes out
     varied: str  # the parameter of which a batch may have one for each collision
+
+    @property
+    def params(self) -> str:
+        """The struct of the parameters."""
+        return f"{self.prefix}params"
+
+    @property
+    def collide(self) -> str:
+        return f"{self.prefix}collide"
+
+    @property
+    def steps(self) -> str:
+        return f"{self.prefix}collide_steps"
+
+    @property
+    def batch(self) -> str:
+        return f"{self.prefix}collide_batch"
+
+    @property
+    def kernel(self) -> str:
+        return f"{self.prefix}kernel"
+
+    @property
+    def batch_in(self) -> int:
+        """Arrays that a batch is given."""
+        return sum(body.doubles for body in self.bodies)
+
+    @property
+    def batch_out(self) -> int:
+        return sum(result.changed for result in self.results)
+
+    def first_in(self, body: str) -> int:
+        """The first array that a batch is given of a body."""
+        names = [b.name for b in self.bodies]
+        return sum(b.doubles for b in self.bodies[: names.index(body)])
+
+    def first_out(self, result: str) -> int:
+        """The first array that a batch gives of a result."""
+        names = [r.name for r in self.results]
+        return sum(r.changed for r in self.results[: names.index(result)])
 
 
 class Model(Protocol):
@@ -61,6 +120,7 @@ class Words(Protocol):
     def contract(self, scene: Any, model_name: str, method: tuple[str, ...]) -> tuple[str, ...]: ...
     def scene_lines(self, scene: Any) -> tuple[str, ...]: ...
     def varied_note(self, scene: Any) -> str: ...
+    def case_value(self, key: str, row: str) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -68,6 +128,7 @@ class Impact:
     """One row of the registry."""
 
     name: str
+    package: str  # the folder that holds it, as a Python package
     text: str
     parameters: tuple[Parameter, ...]
     columns: Columns
@@ -79,6 +140,19 @@ class Impact:
     model_table: Callable[[], tuple[Model, ...]] = field(repr=False)
     scene_table: Callable[[], Mapping[str, BaseScene]] = field(repr=False)
     words: Callable[[], Words] = field(repr=False)
+
+    def part(self, room: str) -> Any:
+        """The module of that name in its folder: what it gives to a room above this one.
+
+        Each room says what it wants as a Protocol and asks here: `emission` for `kernels`,
+        `evidence` for `evidence`. docs/adding-an-impact.md lists them.
+        """
+        return importlib.import_module(f"{self.package}.{room}")
+
+    @property
+    def folder(self) -> str:
+        """Of its own in `bench/impacts`, `templates` and `tests/oracle`."""
+        return self.package.rpartition(".")[2]
 
     def find_model(self, name: str) -> Model:
         """A contact model by its name. Raises InputError naming the models there are."""

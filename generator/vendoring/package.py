@@ -9,10 +9,14 @@ from dataclasses import dataclass, replace
 from .. import __version__
 from ..choice.selection import Selected
 from ..emission.banner import bannered
+from ..emission.context import Field, Naming
 from ..emission.environment import environment
 from ..emission.formatting import format_source
-from ..emission.kernel_source import Field, HeaderUse, Naming, emit, emit_header, fields_of
+from ..emission.header import HeaderUse, emit_header
+from ..emission.kernel_source import emit
+from ..emission.parameters import fields_of
 from ..impacts.ball_ball.models import find_model
+from ..impacts.ball_ball.row import BALL_BALL
 from ..impacts.ball_ball.scene import Scene, find_scene
 from ..toolchain.flags import STRICT
 from .dispatch import dispatch_context, guard_of, is_mixed, unit_of
@@ -78,7 +82,7 @@ class PackageContext:
 
     @property
     def fields(self) -> tuple[Field, ...]:
-        return fields_of(self.scene)
+        return fields_of(BALL_BALL, self.scene).given
 
     @property
     def u_b_text(self) -> str:
@@ -142,7 +146,7 @@ def package_files(
         )
     use = HeaderUse(fixed_step=request.fixed_step, dispatched=dispatched)
     scene = find_scene(request.scene)
-    header = emit_header(scene, request.prefix, request.command, use)
+    header = emit_header(BALL_BALL, scene, request.prefix, request.command, use)
     context = PackageContext(request, scene, rows, tuple(units), dispatched)
     files = {
         "LICENSE": environment().get_template("vendor/LICENSE.j2").render(),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..impact import Functions, Impact, Status, Words
+from ..impact import Body, Functions, Impact, Result, Status, Words
 from . import scene, words
 from .columns import COLUMNS
 from .models import DEFAULT_MODEL, MODELS
@@ -22,17 +22,14 @@ def _words() -> Words:
 
 BALL_BALL = Impact(
     name="ball-ball",
+    package=__name__.rpartition(".")[0],
     text="two balls of one radius on a table",
     parameters=PARAMETERS,
     columns=COLUMNS,
     functions=Functions(
-        params="params",
-        collide="collide",
-        batch="collide_batch",
-        bodies=(("ball1", 9), ("ball2", 9)),
-        results=(("out1", 9), ("out2", 9)),
-        batch_in=18,
-        batch_out=12,
+        prefix="",
+        bodies=(Body("ball1", 9), Body("ball2", 9)),
+        results=(Result("out1", "ball1", 9, 3, 6), Result("out2", "ball2", 9, 3, 6)),
         varied="u_b",
     ),
     statuses=_STATUSES,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .models import find_model
 from .parameters import MASS_1, MASS_1_MEANING, MEANINGS, UNITS
+from .parameters import case_value as case_value
 from .scene import ALCIATORE, Scene
 from .terms import MASS_RATIOS
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..impact import Functions, Impact, Status, Words
+from ..impact import Body, Functions, Impact, Result, Status, Words
 from . import scene, words
 from .columns import COLUMNS
 from .models import DEFAULT_MODEL, MODELS
@@ -21,17 +21,14 @@ def _words() -> Words:
 
 BALL_CUSHION = Impact(
     name="ball-cushion",
+    package=__name__.rpartition(".")[0],
     text="a ball that rolls or slides on a table into a cushion",
     parameters=PARAMETERS,
     columns=COLUMNS,
     functions=Functions(
-        params="cushion_params",
-        collide="cushion_collide",
-        batch="cushion_collide_batch",
-        bodies=(("ball", 6), ("normal", 2)),
-        results=(("out", 6),),
-        batch_in=8,
-        batch_out=6,
+        prefix="cushion_",
+        bodies=(Body("ball", 6), Body("normal", 2)),
+        results=(Result("out", "ball", 6, 0, 6),),
         varied="u_w",
     ),
     statuses=_STATUSES,

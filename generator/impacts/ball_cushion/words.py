@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .models import find_model
-from .parameters import MEANINGS, UNITS
+from .parameters import MEANINGS, NAMES, UNITS
 from .scene import Scene
 
 SOURCE = "Source: Mathavan, Jackson, Parkin, Proc. IMechE C 224 (2010) 1863-1873, Eqs. 3-16."
@@ -59,3 +59,8 @@ def contract(scene: Scene, model_name: str, method: tuple[str, ...]) -> tuple[st
 def scene_lines(scene: Scene) -> tuple[str, ...]:
     """What a scene says of the motions, for the contract and the header: nothing so far."""
     return ()
+
+
+def case_value(key: str, row: str) -> str:
+    """A parameter of a case as C++ text, its six from the array `row`."""
+    return f"{row}[{NAMES.index(key)}]"
