@@ -1,0 +1,55 @@
+"""How kernels of a ball and a cushion are written: what emission asks of this impact."""
+
+from __future__ import annotations
+
+from ....emission.context import KernelContext, KernelHead, Kernels
+from ....errors import InputError
+from ....registry.axes import axis
+from .. import words
+from ..models import find_model
+from ..scene import Scene
+from .context import CushionContext
+from .fixed import fixed_step_method, fixed_step_parts
+
+# Options that these kernels have; all others only at their default.
+_OPTIONS = ("fma", "compiler", "flags")
+
+
+class BallCushionKernels:
+    """Kernels by pooltool's fixed steps."""
+
+    def context(self, head: KernelHead) -> KernelContext:
+        scene = head.scene
+        if not isinstance(scene, Scene):
+            raise TypeError(f"{scene.name}: a scene of a ball and a cushion is wanted")
+        _require_options(head)
+        if not head.fixed_step:
+            raise InputError("ball-cushion: no exact kernels yet; expected --steps")
+        return _fixed_step(head, scene)
+
+
+KERNELS: Kernels = BallCushionKernels()
+
+
+def _require_options(head: KernelHead) -> None:
+    """Raise ValueError where an option is asked for that these kernels do not have."""
+    for key, code in head.variant.options:
+        if key not in _OPTIONS and code != axis(key).default:
+            raise ValueError(f"kernels of {head.impact.name} have no {key}={code}; leave it out")
+
+
+def _fixed_step(head: KernelHead, scene: Scene) -> CushionContext:
+    if not scene.fixed_steps:
+        raise InputError(f"--scene {scene.name}: {words.NO_FIXED_STEPS}")
+    terms = find_model(head.variant.model).terms
+    parts = fixed_step_parts(terms, head.places_fma)
+    return CushionContext(
+        **{**vars(head), "scene": scene},
+        body="ball_cushion/fixed.j2",
+        one="ball_cushion/collide_one.j2",
+        batch=False,
+        checks_template="ball_cushion/checks.j2",
+        counts=parts.counts,
+        method=fixed_step_method(head.steps, parts.counts),
+        scheme=parts,
+    )
