@@ -29,18 +29,19 @@ struct CacheLines {
   bool operator!=(const CacheLines& /*other*/) const { return false; }
 };
 
-/// Collisions that share all parameters but u_b, with room for what comes out.
+/// Collisions that share all parameters but the varied one, with room for what comes out.
 class Batch {
  public:
-  /// Shared parameters (u_b is the first case's) of at least one row; the rows' own parameters,
-  /// other than u_b, are ignored.
+  /// Shared parameters (the varied one is the first case's) of at least one row; the rows' own
+  /// parameters, other than that, are ignored.
   explicit Batch(const std::vector<CaseRow>& rows);
 
   std::size_t size() const { return status_.size(); }
 
-  /// Calls `function` on [start, start + n) and returns what it returns. `each_u_b`: hand over an
-  /// array of u_b; otherwise null.
-  std::size_t call(BatchFunction function, std::size_t start, std::size_t n, bool each_u_b = true);
+  /// Calls `function` on [start, start + n) and returns what it returns. `each_varied`: hand over
+  /// an array of the varied parameter; otherwise null.
+  std::size_t call(BatchFunction function, std::size_t start, std::size_t n,
+                   bool each_varied = true);
 
   /// What came out for case i.
   OutcomeRow outcome(std::size_t i) const;
@@ -53,19 +54,20 @@ class Batch {
 
   const Column& outcome_column(std::size_t k) const;
 
-  std::array<double, 6> params_;
-  Column u_b_;
-  std::array<Column, 18> in_;
-  std::array<Column, 12> out_;
+  std::array<double, kParameters> params_;
+  Column varied_;
+  std::array<Column, kBodies> in_;
+  std::array<Column, kOutcomes> out_;
   std::vector<unsigned char> status_;
   bool aliased_ = false;
 };
 
-/// The rows as they are when all take the first row's parameters but u_b; spins are scaled so that
+/// The rows as they are when all take the first row's parameters but the varied one; spins are
+/// scaled so that
 /// R w stays what it was.
 std::vector<CaseRow> with_shared_parameters(std::vector<CaseRow> rows);
 
-/// Sets parameter `column` (a CaseColumn below kBall1); a new R scales the spins so that R w stays
+/// Sets parameter `column` ; a new radius scales the spins so that R w stays
 /// what it was.
 void set_parameter(CaseRow* row, std::size_t column, double value);
 

@@ -1,6 +1,5 @@
 #include "case_rows.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -17,20 +16,13 @@ std::size_t row_count(std::ifstream& file, const std::string& path) {
   file.seekg(0);
   if (bytes == 0 || bytes % kRowBytes != 0) {
     throw std::runtime_error(path + ": " + std::to_string(bytes) + " bytes; expected rows of " +
-                             std::to_string(kRowBytes) + " (24 float64 a case)");
+                             std::to_string(kRowBytes) + " (" + std::to_string(kCaseColumns) +
+                             " float64 a case)");
   }
   return bytes / kRowBytes;
 }
 
 }  // namespace
-
-CaseRow to_row(const Case& one) {
-  const Params& p = one.params;
-  CaseRow row{p.R, p.M, p.u_s1, p.u_s2, p.u_b, p.e_b};
-  std::copy_n(one.ball1, 9, row.begin() + kBall1);
-  std::copy_n(one.ball2, 9, row.begin() + kBall2);
-  return row;
-}
 
 std::vector<CaseRow> read_case_rows(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

@@ -7,33 +7,22 @@
 #include <string>
 #include <vector>
 
-#include "cases.h"
+#include "columns.h"
 
 namespace carom_bench {
 
-/// Columns of a case: R (m), M (kg), u_s1, u_s2, u_b, e_b, then position (m), velocity (m/s) and
-/// angular velocity (rad/s) of ball 1 and of ball 2, three each.
-enum CaseColumn : std::size_t {
-  kR,
-  kM,
-  kUs1,
-  kUs2,
-  kUb,
-  kEb,
-  kBall1,
-  kBall2 = kBall1 + 9,
-  kCaseColumns = kBall2 + 9
-};
+constexpr std::size_t kParameters = kParameterNames.size();
+constexpr std::size_t kBodies = kCaseColumns - kParameters;  ///< arrays that a batch is given
+constexpr std::size_t kOutcomes = kChanged.size();           ///< and that it gives
 
 using CaseRow = std::array<double, kCaseColumns>;
+using Results = std::array<double, kResults>;
 
-/// v1[3], w1[3], v2[3], w2[3] (m/s, rad/s), status as in carom.h.
-using OutcomeRow = std::array<double, 13>;
+/// What a collision changes (m/s, rad/s), then the status as in carom.h.
+using OutcomeRow = std::array<double, kOutcomes + 1>;
 
 /// As OutcomeRow, then 1 if the contact sticks, 2 if the scheme did not end, else 0.
-using ExpectedRow = std::array<double, 14>;
-
-CaseRow to_row(const Case& one);
+using ExpectedRow = std::array<double, kOutcomes + 2>;
 
 /// Reads a file of raw float64 rows in the machine's byte order. Throws std::runtime_error with one
 /// line that names the file if it cannot be read or is not a whole number (at least 1) of rows.

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "impact.h"
+
 namespace carom_bench {
 
 /// Writes random cases, with chosen parameters set to one value for all.
@@ -24,13 +26,9 @@ void make_cases(const MakeCases& options);
 /// Computes what must come out, by the oracles.
 struct Expect {
   std::string cases, out;
-  /// "exact" or "euler", in long double; "screen": exact in double, a sixth of the time
-  std::string method = "exact";
-  std::string model = "mathavan2014";
-  long steps = 1000;      ///< of euler
-  double mass_ratio = 1;  ///< ball 1 to ball 2, whose mass is the case's; not of euler
-  double mass1 = 0;       ///< of ball 1 in kg, in place of a ratio; 0: as the ratio says
-  unsigned threads = 0;   ///< 0: one a core
+  Asked asked;
+  std::vector<std::string> more;  ///< "mass_ratio=2"
+  unsigned threads = 0;           ///< 0: one a core
 };
 void expect(const Expect& options);
 

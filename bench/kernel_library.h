@@ -7,19 +7,14 @@
 #include <memory>
 #include <string>
 
+#include "columns.h"
+
 namespace carom_bench {
 
-/// One collision. params: R (m), M (kg), u_s1, u_s2, u_b, e_b; balls as in carom.h. Returns the
-/// status of carom.h.
-using CollideFunction = int (*)(const double params[6], const double ball1[9],
-                                const double ball2[9], double out1[9], double out2[9]);
-/// As CollideFunction, with `steps` fixed steps instead of the number that the kernel was made for.
-using StepsFunction = int (*)(const double params[6], const double ball1[9], const double ball2[9],
-                              double out1[9], double out2[9], int steps);
-/// n collisions with the same parameters, but for u_b, one each unless null. Structure of arrays as
-/// in carom.h. Returns how many have status 0.
-using BatchFunction = std::size_t (*)(const double params[6], const double* u_b, std::size_t n,
-                                      const double* const in[18], double* const out[12],
+/// n collisions with the same parameters, but for the varied one, one each unless null. Structure
+/// of arrays as in carom.h. Returns how many have status 0.
+using BatchFunction = std::size_t (*)(const double* params, const double* varied, std::size_t n,
+                                      const double* const* in, double* const* out,
                                       unsigned char* status);
 /// Of a library with a trace: where the blocks of code that ran so far stand; returns how many.
 using TraceFunction = std::size_t (*)(const std::uint32_t** blocks);

@@ -3,19 +3,24 @@
 #include <exception>
 #include <functional>
 #include <iostream>
+#include <string>
 
+#include "case_rows.h"
 #include "commands.h"
 
 namespace {
 
 using carom_bench::Expect;
+using carom_bench::kCaseColumns;
+using carom_bench::kOutcomes;
 using carom_bench::MakeCases;
 using carom_bench::Run;
 using carom_bench::Threads;
 using carom_bench::Time;
 
 void add_cases(CLI::App* app, MakeCases* options) {
-  CLI::App* sub = app->add_subcommand("cases", "Write random cases: rows of 24 float64.");
+  CLI::App* sub = app->add_subcommand(
+      "cases", "Write random cases: rows of " + std::to_string(kCaseColumns) + " float64.");
   auto* mixed = sub->add_flag("--mixed", options->mixed, "real shots and hard kinds (the default)");
   sub->add_flag_callback(
          "--random", [options] { options->mixed = false; }, "all kinds in turn")
@@ -32,24 +37,22 @@ void add_cases(CLI::App* app, MakeCases* options) {
 
 void add_expect(CLI::App* app, Expect* options) {
   CLI::App* sub = app->add_subcommand(
-      "expect", "What must come out: rows of 14 float64 (12 velocities, status, sticks).");
+      "expect", "What must come out: rows of " + std::to_string(kOutcomes + 2) + " float64 (" +
+                    std::to_string(kOutcomes) + " velocities, status, sticks).");
   sub->add_option("--cases", options->cases, "file of cases")->required();
-  sub->add_option("--method", options->method, "exact, screen or euler")->required();
-  sub->add_option("--model", options->model, "mathavan2014, bottom_slip or pooltool")->required();
-  sub->add_option("--steps", options->steps, "steps of euler");
-  auto* ratio = sub->add_option("--mass-ratio", options->mass_ratio,
-                                "mass of ball 1 to that of ball 2; of exact");
-  sub->add_option("--mass1", options->mass1, "kg, mass of ball 1; M is that of ball 2; of exact")
-      ->check(CLI::PositiveNumber)
-      ->excludes(ratio->check(CLI::PositiveNumber));
+  sub->add_option("--method", options->asked.method, "exact, screen or euler")->required();
+  sub->add_option("--model", options->asked.model, "contact model")->required();
+  sub->add_option("--steps", options->asked.steps, "steps of euler");
+  sub->add_option("--set", options->more, "what else is known, as mass_ratio=2; repeatable");
   sub->add_option("--out", options->out, "file to write")->required();
   sub->add_option("--threads", options->threads, "threads; 0: one a core");
   sub->callback([options] { carom_bench::expect(*options); });
 }
 
 void add_run(CLI::App* app, Run* options) {
-  CLI::App* sub =
-      app->add_subcommand("run", "Run a kernel: rows of 13 float64 (12 velocities, status).");
+  CLI::App* sub = app->add_subcommand(
+      "run", "Run a kernel: rows of " + std::to_string(kOutcomes + 1) + " float64 (" +
+                 std::to_string(kOutcomes) + " velocities, status).");
   sub->add_option("--kernel", options->kernel, "shared library")->required();
   sub->add_option("--cases", options->cases, "file of cases")->required();
   sub->add_option("--out", options->out, "file to write")->required();

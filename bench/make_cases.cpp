@@ -1,4 +1,3 @@
-#include <array>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
@@ -7,8 +6,8 @@
 
 #include "batch.h"
 #include "case_rows.h"
-#include "cases.h"
 #include "commands.h"
+#include "impact.h"
 
 namespace carom_bench {
 namespace {
@@ -16,11 +15,12 @@ namespace {
 using Fixed = std::pair<std::size_t, double>;
 
 std::size_t parameter_column(const std::string& name, const std::string& text) {
-  constexpr std::array<const char*, 6> kNames{"R", "M", "u_s1", "u_s2", "u_b", "e_b"};
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    if (name == kNames[i]) return i;
+  std::string known;
+  for (std::size_t i = 0; i < kParameters; ++i) {
+    if (name == kParameterNames[i]) return i;
+    known.append(i == 0 ? "" : ", ").append(kParameterNames[i]);
   }
-  throw std::runtime_error("--fix " + text + ": expected R, M, u_s1, u_s2, u_b or e_b, as R=0.03");
+  throw std::runtime_error("--fix " + text + ": expected one of " + known + ", as R=0.03");
 }
 
 Fixed parse_fixed(const std::string& text) {
@@ -35,9 +35,9 @@ Fixed parse_fixed(const std::string& text) {
   return {column, value};
 }
 
-void write_kinds(const std::string& path, const std::vector<Case>& cases) {
+void write_kinds(const std::string& path, const std::vector<MadeCase>& cases) {
   std::string text;
-  for (const Case& one : cases) text.append(one.kind).append("\n");
+  for (const MadeCase& one : cases) text.append(one.kind).append("\n");
   write_file(path, text.data(), text.size());
 }
 
@@ -46,11 +46,10 @@ void write_kinds(const std::string& path, const std::vector<Case>& cases) {
 void make_cases(const MakeCases& options) {
   std::vector<Fixed> fixed;
   for (const std::string& text : options.fixed) fixed.push_back(parse_fixed(text));
-  const std::vector<Case> cases = options.mixed ? mixed_cases(options.seed, options.count)
-                                                : random_cases(options.seed, options.count);
+  const std::vector<MadeCase> cases = made_cases(options.seed, options.count, options.mixed);
   std::vector<CaseRow> rows;
-  for (const Case& one : cases) {
-    rows.push_back(to_row(one));
+  for (const MadeCase& one : cases) {
+    rows.push_back(one.row);
     for (const Fixed& each : fixed) set_parameter(&rows.back(), each.first, each.second);
   }
   write_rows(options.out, rows);

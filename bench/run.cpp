@@ -15,22 +15,20 @@
 namespace carom_bench {
 namespace {
 
-OutcomeRow outcome_row(const double ball1[9], const double ball2[9], int status) {
+OutcomeRow outcome_row(const double* results, int status) {
   OutcomeRow row{};
-  std::copy_n(ball1 + 3, 6, row.begin());
-  std::copy_n(ball2 + 3, 6, row.begin() + 6);
+  for (std::size_t k = 0; k < kOutcomes; ++k) row[k] = results[kChanged[k]];
   row.back() = status;
   return row;
 }
 
-// As the function, which may be either kind, called for one case.
+// `collide`: either kind of function, as called for one case.
 template <class Collide>
 OutcomeRow run_one(const Collide& collide, CaseRow row, bool in_place) {
-  double out1[9] = {}, out2[9] = {};
-  double* ball1 = in_place ? &row[kBall1] : out1;
-  double* ball2 = in_place ? &row[kBall2] : out2;
-  const int status = collide(row.data(), &row[kBall1], &row[kBall2], ball1, ball2);
-  return outcome_row(ball1, ball2, status);
+  Results own{};
+  double* results = in_place ? &row[kParameters] : own.data();
+  const int status = collide(row.data(), results);
+  return outcome_row(results, status);
 }
 
 template <class Collide>
@@ -43,16 +41,18 @@ std::vector<OutcomeRow> run_each(const Collide& collide, const std::vector<CaseR
 }
 
 // Bits, since a parameter may be NaN, which is not even equal to itself.
-std::array<std::uint64_t, 5> shared_parameters(const CaseRow& row) {
-  const double shared[5] = {row[kR], row[kM], row[kUs1], row[kUs2], row[kEb]};
-  std::array<std::uint64_t, 5> bits{};
-  std::memcpy(bits.data(), shared, sizeof(shared));
+using Shared = std::array<std::uint64_t, kParameters>;
+
+Shared shared_parameters(const CaseRow& row) {
+  Shared bits{};
+  std::memcpy(bits.data(), row.data(), sizeof(bits));
+  bits[kVaried] = 0;
   return bits;
 }
 
-bool same_u_b(const std::vector<CaseRow>& rows) {
+bool same_varied(const std::vector<CaseRow>& rows) {
   return std::all_of(rows.begin(), rows.end(),
-                     [&](const CaseRow& row) { return row[kUb] == rows.front()[kUb]; });
+                     [&](const CaseRow& row) { return row[kVaried] == rows.front()[kVaried]; });
 }
 
 void check_count(std::size_t reported, const Batch& batch) {
@@ -70,15 +70,15 @@ void run_group(BatchFunction function, const std::vector<CaseRow>& cases,
   for (std::size_t i : members) rows.push_back(cases[i]);
   Batch batch(rows);
   if (in_place) batch.alias();
-  // Groups that share u_b too try the null pointer; single cases try the array.
-  const bool each_u_b = rows.size() == 1 || !same_u_b(rows);
-  check_count(batch.call(function, 0, rows.size(), each_u_b), batch);
+  // Groups that share the varied parameter too try the null pointer; single cases try the array.
+  const bool each_varied = rows.size() == 1 || !same_varied(rows);
+  check_count(batch.call(function, 0, rows.size(), each_varied), batch);
   for (std::size_t i = 0; i < members.size(); ++i) (*outcomes)[members[i]] = batch.outcome(i);
 }
 
 std::vector<OutcomeRow> run_batches(BatchFunction function, const std::vector<CaseRow>& cases,
                                     bool in_place) {
-  std::map<std::array<std::uint64_t, 5>, std::vector<std::size_t>> groups;
+  std::map<Shared, std::vector<std::size_t>> groups;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     groups[shared_parameters(cases[i])].push_back(i);
   }
@@ -92,11 +92,16 @@ std::vector<OutcomeRow> run_batches(BatchFunction function, const std::vector<Ca
 std::vector<OutcomeRow> run_cases(const KernelLibrary& library, const Run& options,
                                   const std::vector<CaseRow>& cases) {
   if (options.batch) return run_batches(library.batch(), cases, options.in_place);
-  if (options.steps == 0) return run_each(library.collide(), cases, options.in_place);
-  const auto collide = [function = library.steps(), steps = options.steps](
-                           const double* params, const double* ball1, const double* ball2,
-                           double* out1, double* out2) {
-    return function(params, ball1, ball2, out1, out2, steps);
+  if (options.steps == 0) {
+    const CollideFunction function = library.collide();
+    const auto collide = [function](const double* row, double* results) {
+      return call(function, row, results);
+    };
+    return run_each(collide, cases, options.in_place);
+  }
+  const auto collide = [function = library.steps(), steps = options.steps](const double* row,
+                                                                           double* results) {
+    return call(function, steps, row, results);
   };
   return run_each(collide, cases, options.in_place);
 }

@@ -81,13 +81,12 @@ Window Workload::around(const Window& inner, std::size_t size) const {
 }
 
 Spent Workload::throughput(CollideFunction collide, const Window& window) {
-  double out1[9], out2[9];
+  Results results;
   const CaseRow* row = rows_.data() + window.start;
   const CaseRow* const end = row + window.size;
   const Stopwatch watch;
   for (; row != end; ++row) {
-    const double* case_ = row->data();
-    collide(case_, case_ + kBall1, case_ + kBall2, out1, out2);
+    call(collide, row->data(), results.data());
   }
   return watch.spent();
 }
@@ -99,16 +98,15 @@ Spent Workload::batch(BatchFunction function, const Window& window) {
 }
 
 Spent Workload::latency(CollideFunction collide, const Window& window) {
-  double out1[9] = {}, out2[9] = {};
+  Results results{};
   const std::uint64_t zero = opaque_zero();
   std::uint64_t carry = 0;
   const Stopwatch watch;
   for (std::size_t i = 0; i < window.size; ++i) {
     double* case_ = rows_[window.start + i].data();
-    add_bits(case_ + kBall1, carry);
-    add_bits(case_ + kBall1 + 3, carry);
-    collide(case_, case_ + kBall1, case_ + kBall2, out1, out2);
-    carry = (bits(out1[3]) | bits(out2[8])) & zero;
+    for (std::size_t column : kFed) add_bits(case_ + column, carry);
+    call(collide, case_, results.data());
+    carry = (bits(results[kFeeding[0]]) | bits(results[kFeeding[1]])) & zero;
   }
   return watch.spent();
 }

@@ -42,10 +42,11 @@ class Workload {
 
   /// Collisions independent of each other.
   Spent throughput(CollideFunction collide, const Window& window);
-  /// The same by a batch function, all with the parameters of the list's first case but u_b.
+  /// The same by a batch function, all with the parameters of the list's first case but the varied
+  /// one.
   Spent batch(BatchFunction function, const Window& window);
-  /// Each collision waits for the last one's outcome: ball 1's x and v_x are changed by a zero that
-  /// is made from it.
+  /// Each collision waits for the last one's outcome: columns kFed are changed by a zero that is
+  /// made from it.
   Spent latency(CollideFunction collide, const Window& window);
 
  private:

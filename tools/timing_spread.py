@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -59,7 +60,7 @@ def main() -> None:
     given = parser.parse_args()
     tools = {"this bench": bench_tool()}
     if given.rival:
-        tools["the rival"] = BenchTool(given.rival)
+        tools["the rival"] = replace(bench_tool(), executable=given.rival)
     plan = plan_of(tools["this bench"], given.model, given.rounds)
     found: dict[str, list[tuple[float, float, float, float]]] = {name: [] for name in tools}
     for _ in range(given.processes):

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from ..errors import InputError
+from ..impacts.impact import Impact
 from ..places import cache_folder, sources, working_root
 from ..targets.host import Host, read_host
 from ..targets.target import Target, find_target
@@ -75,11 +76,16 @@ class Session:
 
     @contextmanager
     def workbench(
-        self, target: Target | None = None, fresh: bool = False, reproducible: bool = False
+        self,
+        target: Target | None = None,
+        fresh: bool = False,
+        reproducible: bool = False,
+        impact: Impact | None = None,
     ) -> Iterator[Workbench]:
         """The tools that emit, compile, verify and time.
 
         `target`: where it is of another architecture, that one's compilers, and an emulator.
+        `impact`: the default one where none is named.
         Raises InputError where there is no compiler, or no place for what it makes.
         """
         from ..choice.workbench import Workbench
@@ -89,7 +95,7 @@ class Session:
         self.listener.step("looking for compilers", 0, 1)
         emulated = None
         if target is not None and target.row.arch != platform.machine():
-            emulated = emulated_runner(target, self.cache)
+            emulated = emulated_runner(target, self.cache, impact)
         found = compilers_for(target) if emulated and target else find_compilers()
         compilers = {c.code: c for c in found}
         if not compilers:
@@ -98,7 +104,7 @@ class Session:
             self.listener.note(f"going on without: {lacking}")
         self.listener.step("building the bench", 0, 1)
         yield Workbench(
-            tool=build_bench_tool(self.cache),
+            tool=build_bench_tool(self.cache, impact=impact),
             cache=self.cache,
             compilers=compilers,
             progress=self.listener.step,

@@ -32,7 +32,6 @@ from ..evidence.verification.reference import EULER_STEPS, load_reference
 from ..evidence.verification.scene_cases import cases_for_scene
 from ..evidence.verification.verdict import Verdict, with_worst
 from ..evidence.verification.worst_estimates import PATTERNS, at_worst
-from ..impacts.ball_ball.masses import MassRatio
 from ..impacts.ball_ball.scene import Scene, find_scene
 from ..lowering.isa import estimates_in
 from ..registry.names import name_of, source_name_of
@@ -194,7 +193,7 @@ class Workbench:
             reference_rows = len(reference.cases)
             if model == "pooltool" and steps == EULER_STEPS:
                 pooltool = reference.euler_pooltool
-        exact = self._oracle(cases, "exact", model, 0, known.mass_ratio)
+        exact = self._oracle(cases, "exact", model, 0, known.oracle_options)
         euler = None
         if steps is not None and known.fixed_steps:
             euler = self._oracle(cases, "euler", model, steps)
@@ -218,19 +217,19 @@ class Workbench:
         """The kept hard cases in a scene, each with its neighbours asked for too."""
         cases = cases_for_scene(scene, load_hard()[1], model)
         rows = neighbours(cases)
-        exact = self._oracle(rows, "exact", model, 0, scene.mass_ratio)
+        exact = self._oracle(rows, "exact", model, 0, scene.oracle_options)
         steep = np.maximum(moved_by(rows, exact), rounding_of(cases))
         return HardCases(cases, exact[::NEIGHBOURS], steep)
 
     def _oracle(
-        self, cases: Array, method: Method, model: str, steps: int, mass_ratio: MassRatio = 1.0
+        self, cases: Array, method: Method, model: str, steps: int, more: tuple[str, ...] = ()
     ) -> Array:
-        key = key_of(self.tool.executable.name, cases, method, model, steps, mass_ratio)
+        key = key_of(self.tool.executable.name, cases, method, model, steps, more)
         return self.store.kept_array(
             "expected results",
             key,
             EXPECTED_COLUMNS,
-            lambda: self.tool.expect(cases, method, model, steps or EULER_STEPS, mass_ratio),
+            lambda: self.tool.expect(cases, method, model, steps or EULER_STEPS, more),
         )
 
     def verify(self, candidates: Sequence[Candidate], expected: Expected) -> None:

@@ -135,7 +135,7 @@ class BaseScene(BaseModel):
 
     @property
     def oracle_options(self) -> tuple[str, ...]:
-        """What the oracle must be told of the scene besides the cases."""
+        """What the oracle must be told of the scene besides the cases, as `NAME=NUMBER`."""
         return ()
 
     def range_of(self, key: str) -> tuple[float, float]:

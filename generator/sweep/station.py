@@ -19,7 +19,6 @@ from ..choice.workbench import (
 )
 from ..errors import EmissionError, KernelCrash, KernelError, KernelTimeout
 from ..evidence.records.code import source_hash
-from ..evidence.timing.bench_tool import CASE_COLUMNS
 from ..evidence.timing.plan import Array, PlannedKernel, TimingPlan
 from ..files import write_file
 from ..registry.names import name_of, source_name_of
@@ -103,9 +102,9 @@ class Station:
 
     def rules(self, steps: int | None, batches: bool) -> Rules:
         timed = self.timing_cases(batches)
-        cases = key_of(self.expected(steps).key, timed, CASE_COLUMNS)
+        cases = key_of(self.expected(steps).key, timed, timed.shape[1])
         tool = self.bench.tool.executable.name
-        return Rules(cases, verification_hash(), tool, key_of(timed, CASE_COLUMNS))
+        return Rules(cases, verification_hash(), tool, key_of(timed, timed.shape[1]))
 
     def emit(self, variant: Variant, target: Target) -> Candidate:
         """The candidate of a variant. EmissionError says what is wrong, whatever it is."""

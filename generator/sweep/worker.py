@@ -10,6 +10,7 @@ from typing import Any
 from ..choice.workbench import Candidate, Workbench, verification_hash
 from ..errors import KernelError
 from ..evidence.timing.bench_tool import build_bench_tool, source_hash
+from ..impacts.registry import DEFAULT, find_impact
 from ..places import cache_folder
 from ..targets.host import read_host
 from ..toolchain.compilers import find_compilers
@@ -39,7 +40,8 @@ def resource_of(target: str) -> str:
 def identify() -> Identity:
     """This machine, read from /proc/cpuinfo and from the sources."""
     host = read_host()
-    return Identity(host.target.name, host.exact, host.cpu, verification_hash(), source_hash())
+    bench = source_hash(find_impact(DEFAULT))
+    return Identity(host.target.name, host.exact, host.cpu, verification_hash(), bench)
 
 
 @dataclass(frozen=True)

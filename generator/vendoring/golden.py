@@ -83,7 +83,7 @@ def _answers(
     tool: BenchTool, scene: Scene, model: str, goal: Goal, cases: Array
 ) -> tuple[Array, Array]:
     """What must come out, and which cases may be asked for."""
-    exact = tool.expect(cases, "exact", model, mass_ratio=scene.mass_ratio)
+    exact = tool.expect(cases, "exact", model, more=scene.oracle_options)
     fits = (exact[:, STATUS] == 0) & (relative_speed(cases) > 0)
     if goal.steps is None:
         return exact, fits

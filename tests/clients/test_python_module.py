@@ -140,7 +140,7 @@ def test_wrong_requests_name_what_there_is(arguments, parts) -> None:
 def test_two_masses_are_those_of_the_oracle(model, budget, target) -> None:
     """By calls, and as a batch of one. M is the mass of ball 2, M1 that of ball 1."""
     cases = cases_for_scene(find_scene(UNEQUAL), load_reference().cases, model)
-    exact = bench_tool().expect(cases, "exact", model, mass_ratio="given")
+    exact = bench_tool().expect(cases, "exact", model, more=[f"mass1={CASE_M1!r}"])
     kernel = carom().Kernel(model, max_error=budget, target=target)
     given = [carom().Parameters(*case[:6], M1=CASE_M1) for case in cases]
     got = np.array([by_call(kernel, p, case) for p, case in zip(given, cases, strict=True)])

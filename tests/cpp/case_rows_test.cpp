@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "cases.h"
+
 namespace carom_bench {
 namespace {
 

@@ -1,6 +1,6 @@
 // small_stack KERNEL.so ROWS N: batches of 1 and of 5000 collisions in a thread whose stack is 128
 // KiB, as musl's are unless a program asks for more, with a page below it that may not be touched.
-// How much of it was written? ROWS: 24 doubles each, as bench/cases.h has them.
+// How much of it was written? ROWS: 24 doubles each, as bench/impacts/ball_ball has them.
 #include <dlfcn.h>
 #include <pthread.h>
 #include <sys/mman.h>

@@ -49,7 +49,7 @@ def planted(tmp_path_factory: pytest.TempPathFactory) -> Subject:
     library = tmp_path_factory.mktemp("planted") / "planted.so"
     source = Path(__file__).with_name("planted.cpp")
     words = ["g++", "-std=c++17", "-O2", "-ffp-contract=off", "-shared", "-fPIC"]
-    include = f"-I{ROOT / 'tests' / 'oracle'}"
+    include = f"-I{ROOT / 'tests' / 'oracle' / 'ball_ball'}"
     subprocess.run([*words, include, str(source), "-o", str(library)], check=True)
     return Subject(bench_tool(), library, place(), BUDGET, batch=False)
 

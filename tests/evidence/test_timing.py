@@ -28,7 +28,7 @@ from generator.evidence.verification.euler import euler_verdict
 from generator.evidence.verification.exact import exact_verdict
 from generator.evidence.verification.reference import MODELS, load_reference
 
-ORACLE = ROOT / "tests" / "oracle"
+ORACLE = ROOT / "tests" / "oracle" / "ball_ball"
 BAD = """
 #include <csignal>
 extern "C" int carom_probe_collide(const double*, const double*, const double*, double*, double*)
@@ -77,7 +77,9 @@ def checkout(folder: Path, says: str) -> Path:
     (folder / "bench").mkdir(parents=True)
     lines = ["cmake_minimum_required(VERSION 3.20)", "project(t CXX)", "add_subdirectory(bench)"]
     (folder / "CMakeLists.txt").write_text("\n".join(lines), encoding="utf-8")
-    (folder / "bench" / "CMakeLists.txt").write_text("add_executable(carom_bench m.cpp)\n")
+    (folder / "bench" / "CMakeLists.txt").write_text(
+        "add_executable(carom_bench_ball_ball m.cpp)\n"
+    )
     source = f'#include <cstdio>\nint main() {{ std::puts("{says}"); }}\n'
     (folder / "bench" / "m.cpp").write_text(source, encoding="utf-8")
     return folder

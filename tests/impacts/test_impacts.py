@@ -38,7 +38,6 @@ REMAINING = {
     "generator/evidence/challenge/*": (8, "charts of a search among slips of balls"),
     "generator/evidence/profiling/*": (2, "cases are given to what counts"),
     "generator/evidence/records/*": (1, "scenes by name"),
-    "generator/evidence/timing/*": (1, "columns of cases, the mass of ball 1"),
     "generator/evidence/verification/*": (5, "the measure of error, cases moved into a scene"),
     "generator/api/*": (11, "scenes and models by name"),
     "generator/choice/*": (4, "scenes by name, the parameters of a batch"),
@@ -48,7 +47,6 @@ REMAINING = {
     "generator/sweep/*": (1, "what timing cases share"),
     "generator/vendoring/*": (5, "golden vectors, scenes by name"),
     "templates/*": (38, "the C ABI and the text of steppers"),
-    "bench/*": (14, "cases and columns"),
 }
 SUFFIXES = {".py", ".j2", ".cpp", ".h", ".toml"}
 

@@ -122,7 +122,7 @@ def inside(scene: str, model: str) -> tuple[Array, Array]:
     """Cases of the scene, and what must come out."""
     known = all_scenes()[scene]
     rows = cases_for_scene(known, envelope(), model)
-    return rows, bench_tool().expect(rows, "exact", model, mass_ratio=known.mass_ratio)
+    return rows, bench_tool().expect(rows, "exact", model, more=known.oracle_options)
 
 
 def verdict_of(scene: str, model: str = "", compiler: str = "gcc") -> Verdict:
@@ -414,7 +414,7 @@ def test_masses_that_are_given_hold_other_budgets(budget: float) -> None:
 def test_masses_that_are_given_are_those_of_the_oracle_at_any_ratio(ratio: float) -> None:
     rows = inside("unequal", "mathavan2014")[0][:600].copy()
     rows[:, 1] = CASE_M1 / ratio
-    exact = bench_tool().expect(rows, "exact", "mathavan2014", mass_ratio=ratio)
+    exact = bench_tool().expect(rows, "exact", "mathavan2014", more=[f"mass_ratio={ratio!r}"])
     verdict = exact_verdict(rows, unequal(rows), exact, 1e-6)
     print(f"ratio {ratio:g}: {verdict.max_rel_error:.2g}, {verdict.reason}")
     assert verdict.passed, verdict.reason

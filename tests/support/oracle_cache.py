@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.evidence.timing.bench_tool import EXPECTED_COLUMNS, ROOT, BenchTool
+from generator.evidence.timing.bench_tool import ROOT, BenchTool
 from generator.evidence.verification.errors import Array
 
 CACHE = ROOT / "build" / "cache" / "oracle"
@@ -37,7 +37,7 @@ class Chunk:
 @cache
 def _oracle_hash() -> str:
     digest = hashlib.sha256()
-    for path in sorted((ROOT / "tests" / "oracle").glob("*.h")):
+    for path in sorted((ROOT / "tests" / "oracle" / "ball_ball").glob("*.h")):
         digest.update(path.read_bytes())
     return digest.hexdigest()
 
@@ -47,7 +47,7 @@ def expected_of(tool: BenchTool, cases: Array, model: str) -> Array:
     digest = hashlib.sha256(f"{_oracle_hash()} {model} ".encode() + cases.tobytes())
     path = CACHE / f"{model}-{digest.hexdigest()[:24]}.f64"
     if path.is_file():
-        return np.fromfile(path).reshape(len(cases), EXPECTED_COLUMNS)
+        return np.fromfile(path).reshape(len(cases), tool.columns.expected_width)
     expected = tool.expect(cases, "exact", model)
     CACHE.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile(dir=CACHE, delete=False) as file:

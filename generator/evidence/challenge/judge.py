@@ -54,8 +54,8 @@ class Judge:
         return Answers(got, want, error, error / self.allowed(cases))
 
     def expect(self, cases: Array, method: Method) -> Array:
-        ratio = self.within.scene.mass_ratio
-        return self.tool.expect(cases, method, self.within.model, mass_ratio=ratio, threads=1)
+        more = self.within.scene.oracle_options
+        return self.tool.expect(cases, method, self.within.model, more=more, threads=1)
 
     def allowed(self, cases: Array) -> Array:
         return np.maximum(self.budget, rounding_of(cases))

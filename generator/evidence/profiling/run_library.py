@@ -10,7 +10,7 @@ import ctypes
 import sys
 from pathlib import Path
 
-COLUMNS = 24  # of a row, as bench/case_rows.h
+COLUMNS = 24  # of a row, as bench/impacts
 
 
 def main(function: str, library: str, rows: str, out: str, *more: str) -> int:

@@ -13,7 +13,7 @@ import re
 import shutil
 import signal
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,8 +23,9 @@ import numpy as np
 
 from ...errors import KernelCrash, KernelError
 from ...files import require_cache, require_temporary
-from ...impacts.ball_ball.masses import MassRatio
-from ...impacts.ball_ball.parameters import CASE_M1
+from ...impacts.columns import Columns
+from ...impacts.impact import Impact
+from ...impacts.registry import DEFAULT, find_impact
 from ...places import sources
 from ...toolchain.process import require_space, run, run_checked
 from .plan import Array, TimingPlan
@@ -33,14 +34,13 @@ from .ratios import TimingRun, timing_run
 ROOT = sources()
 BUILD_TIMEOUT = 600.0  # seconds
 RUN_TIMEOUT = 120.0
-CASE_COLUMNS, OUTCOME_COLUMNS, EXPECTED_COLUMNS = 24, 13, 14  # of bench/case_rows.h
 _SUFFIXES = (".h", ".cpp", ".txt")
 Method = Literal["exact", "screen", "euler"]
 
 
 @dataclass(frozen=True)
 class CaseSet:
-    """Cases in rows of 24 and the kind of each."""
+    """Cases in rows and the kind of each."""
 
     rows: Array
     kinds: tuple[str, ...]
@@ -70,12 +70,13 @@ def _read(path: Path, columns: int, rows: int) -> Array:
 
 @dataclass(frozen=True)
 class BenchTool:
-    """A built carom_bench. Every method raises KernelError with the reason when it fails.
+    """A carom_bench built for an impact. Every method raises KernelError with the reason.
 
     KernelCrash where a signal ended it, KernelTimeout where it took too long.
     """
 
     executable: Path
+    columns: Columns
 
     def _run(
         self,
@@ -111,7 +112,7 @@ class BenchTool:
             choice = "--mixed" if mixed else "--random"
             files = ("--out", out, "--kinds", kinds)
             self._run("cases", choice, "--seed", seed, "--count", count, *files, *fixes)
-            rows = _read(out, CASE_COLUMNS, count)
+            rows = _read(out, len(self.columns.case), count)
             return CaseSet(rows, tuple(kinds.read_text("utf-8").split()))
 
     def expect(
@@ -120,24 +121,21 @@ class BenchTool:
         method: Method,
         model: str,
         steps: int = 1000,
-        mass_ratio: MassRatio = 1.0,
+        more: Sequence[str] = (),
         threads: int = 0,
     ) -> Array:
-        """What must come out, in rows of 14; `steps` is for euler, which is in long double.
+        """What must come out, and whether contact sticks; `steps`: of euler, in long double.
 
-        `screen`: as exact, in double and in a sixth of the time. `mass_ratio`: of ball 1 to ball 2,
-        not for euler; given: CASE_M1 to the case's own M. `threads`: 0 for one a core.
+        `screen`: as exact, in double and in a sixth of the time. `more`: what a scene tells the
+        oracle besides the cases, as `mass_ratio=2`. `threads`: 0 for one a core.
         """
         with tempfile.TemporaryDirectory() as name:
             files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
             options = ["--method", method, "--model", model, "--steps", steps]
-            if mass_ratio == "given":
-                options += ["--mass1", repr(CASE_M1)]
-            elif mass_ratio != 1:
-                options += ["--mass-ratio", repr(mass_ratio)]
+            options += [f"--set={text}" for text in more]
             options += [] if threads == 0 else ["--threads", threads]
             self._run("expect", *options, *files, timeout=RUN_TIMEOUT + 0.05 * len(cases))
-            return _read(Path(name, "out"), EXPECTED_COLUMNS, len(cases))
+            return _read(Path(name, "out"), self.columns.expected_width, len(cases))
 
     def run_kernel(
         self,
@@ -150,7 +148,7 @@ class BenchTool:
         trace: Path | None = None,
         environment: Mapping[str, str] | None = None,
     ) -> Array:
-        """What a kernel makes of the cases, in rows of 13.
+        """What a kernel makes of the cases: velocities and a status.
 
         `steps`: instead of its own; `batch`: through its batch function; `in_place`: the outcome
         overwrites the input; `trace`: file for the blocks that ran (of toolchain.traces);
@@ -162,7 +160,7 @@ class BenchTool:
         with tempfile.TemporaryDirectory() as name:
             files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
             self._run("run", *options, *files, timeout=timeout, environment=environment)
-            return _read(Path(name, "out"), OUTCOME_COLUMNS, len(cases))
+            return _read(Path(name, "out"), self.columns.outcome_width, len(cases))
 
     def threads(
         self, library: Path, cases: Array, count: int = 32768, most: int = 0
@@ -197,16 +195,17 @@ class BenchTool:
             return document
 
 
-def _sources(root: Path) -> list[Path]:
-    folders = (root / "bench", root / "tests" / "oracle")
-    found = [path for folder in folders for path in folder.rglob("*") if path.suffix in _SUFFIXES]
-    return sorted([root / "CMakeLists.txt", *found])
+def _sources(impact: Impact, root: Path) -> list[Path]:
+    """Everything that the carom_bench of an impact is built from."""
+    bench, own = root / "bench", root / "bench" / "impacts" / impact.folder
+    found = [*bench.glob("*"), *own.rglob("*"), *(root / "tests/oracle" / impact.folder).rglob("*")]
+    return sorted([root / "CMakeLists.txt", *(p for p in found if p.suffix in _SUFFIXES)])
 
 
-def source_hash(root: Path = ROOT) -> str:
-    """A hash of everything that carom_bench is built from."""
+def source_hash(impact: Impact, root: Path = ROOT) -> str:
+    """A hash of everything that the carom_bench of an impact is built from."""
     digest = hashlib.sha256()
-    for path in _sources(root):
+    for path in _sources(impact, root):
         digest.update(f"{path.relative_to(root)}\0".encode() + path.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
 
@@ -223,7 +222,7 @@ def _locked(path: Path) -> Iterator[None]:
         yield
 
 
-def _build(root: Path, folder: Path) -> Path:
+def _build(root: Path, folder: Path, program: str) -> Path:
     if shutil.which("cmake") is None or shutil.which("ninja") is None:
         raise KernelError(
             "building carom_bench: no cmake or ninja: apt-get install cmake ninja-build"
@@ -232,25 +231,26 @@ def _build(root: Path, folder: Path) -> Path:
     configure = ["cmake", "-S", str(root), "-B", str(folder), "-G", "Ninja", *options]
     log = folder.with_suffix(".failed.log")
     run_checked(configure, BUILD_TIMEOUT, "configuring carom_bench", log)
-    run_checked(
-        ["ninja", "-C", str(folder), "carom_bench"], BUILD_TIMEOUT, "building carom_bench", log
-    )
-    return folder / "bench" / "carom_bench"
+    build = ["ninja", "-C", str(folder), program]
+    run_checked(build, BUILD_TIMEOUT, "building carom_bench", log)
+    return folder / "bench" / program
 
 
-def build_bench_tool(cache: Path, root: Path = ROOT) -> BenchTool:
-    """carom_bench for the sources as they are, taken from the cache if it is there.
+def build_bench_tool(cache: Path, root: Path = ROOT, impact: Impact | None = None) -> BenchTool:
+    """carom_bench for the sources as they are and an impact, from the cache if it is there.
 
     Raises KernelError with the first error of CMake or of the compiler, InputError where the cache
     is no place for programs.
     """
+    impact = impact or find_impact(DEFAULT)
     require_temporary()
     require_cache(cache)
-    kept = cache / f"carom_bench-{source_hash(root)}"
+    program = f"carom_bench_{impact.folder}"
+    kept = cache / f"{program}-{source_hash(impact, root)}"
     with _locked(cache / "carom_bench.lock"):
         if not kept.exists():
-            built = _build(root, cache / f"carom_bench-build-{_place_hash(root)}")
-            fresh = cache / f"carom_bench.{os.getpid()}.tmp"
+            built = _build(root, cache / f"carom_bench-build-{_place_hash(root)}", program)
+            fresh = cache / f"{program}.{os.getpid()}.tmp"
             shutil.copy2(built, fresh)
             fresh.replace(kept)
-    return BenchTool(kept)
+    return BenchTool(kept, impact.columns)

@@ -10,11 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import KernelCrash, KernelError
+from ...impacts.columns import Columns
+from ...impacts.impact import Impact
+from ...impacts.registry import DEFAULT, find_impact
 from ...places import sources
 from ...targets.target import Target
 from ...toolchain.compilers import compilers_for, emulator_for
 from ...toolchain.process import run, run_checked
-from .bench_tool import OUTCOME_COLUMNS, source_hash
+from .bench_tool import source_hash
 from .plan import Array
 
 PROGRAM = "tests/cpp/run_rows.cpp"
@@ -28,6 +31,7 @@ class EmulatedRunner:
 
     program: Path
     emulator: tuple[str, ...]
+    columns: Columns
 
     def run_kernel(
         self,
@@ -38,7 +42,7 @@ class EmulatedRunner:
         timeout: float = 300.0,
         trace: Path | None = None,
     ) -> Array:
-        """As BenchTool.run_kernel: rows of 13. Raises KernelError with the reason."""
+        """As BenchTool.run_kernel. Raises KernelError with the reason."""
         with tempfile.TemporaryDirectory() as name:
             given, out = Path(name, "cases"), Path(name, "out")
             np.ascontiguousarray(cases, dtype=np.float64).tofile(given)
@@ -50,11 +54,12 @@ class EmulatedRunner:
             if done.code != 0:
                 kind = KernelCrash if done.code < 0 else KernelError
                 raise kind(f"under {self.emulator[0]}: {done.first_error or done.code}")
-            return np.fromfile(out).reshape(len(cases), OUTCOME_COLUMNS)
+            return np.fromfile(out).reshape(len(cases), self.columns.outcome_width)
 
 
-def emulated_runner(target: Target, cache: Path) -> EmulatedRunner:
+def emulated_runner(target: Target, cache: Path, impact: Impact | None = None) -> EmulatedRunner:
     """The runner for a target's architecture, built once. KernelError says what is missing."""
+    impact = impact or find_impact(DEFAULT)
     arch, emulator = target.row.arch, emulator_for(target)
     gcc = next((c for c in compilers_for(target) if c.code == "gcc"), None)
     if gcc is None or not emulator:
@@ -62,14 +67,16 @@ def emulated_runner(target: Target, cache: Path) -> EmulatedRunner:
         raise KernelError(f"{target.name}: nothing here builds and runs {arch}: install {packages}")
     root = sources()
     own = hashlib.sha256((root / PROGRAM).read_bytes()).hexdigest()[:8]
-    program = cache / f"run_rows-{arch}-{source_hash()}-{own}"
+    program = cache / f"run_rows-{impact.folder}-{arch}-{source_hash(impact)}-{own}"
     if not program.exists():
         cache.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=cache) as folder:
             made = Path(folder, program.name)
             files = [str(root / name) for name in (PROGRAM, *WITH)]
-            options = ["-std=c++17", "-O2", f"-I{root / 'bench'}", *files, "-ldl", "-o", str(made)]
+            folders = (root / "bench", root / "bench" / "impacts" / impact.folder)
+            include = [f"-I{folder}" for folder in folders]
+            options = ["-std=c++17", "-O2", *include, *files, "-ldl", "-o", str(made)]
             log = program.with_name(f"{program.name}.failed.log")
             run_checked([gcc.path, *options], BUILD_TIMEOUT, f"building {PROGRAM} for {arch}", log)
             made.replace(program)
-    return EmulatedRunner(program, emulator)
+    return EmulatedRunner(program, emulator, impact.columns)

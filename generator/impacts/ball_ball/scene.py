@@ -151,8 +151,8 @@ class Scene(BaseScene):
     @property
     def oracle_options(self) -> tuple[str, ...]:
         if self.masses_given:
-            return "--mass1", repr(CASE_M1)
-        return () if self.equal_masses else ("--mass-ratio", repr(self.mass_ratio))
+            return (f"mass1={CASE_M1!r}",)
+        return () if self.equal_masses else (f"mass_ratio={self.mass_ratio!r}",)
 
 
 def parse_scene(text: str, source: str) -> Scene:

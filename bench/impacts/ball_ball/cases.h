@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "case_rows.h"
+
 namespace carom_bench {
 
 /// R in m, M in kg, the rest without unit; u_s1 and u_s2 on the table, u_b between the balls.
@@ -38,6 +40,8 @@ std::vector<Case> random_cases(std::uint64_t seed, std::size_t n);
 /// As random_cases, in random order and in the proportions of the reference inputs: 30 in 47 of six
 /// ordinary kinds of shot, the rest of 17 hard kinds.
 std::vector<Case> mixed_cases(std::uint64_t seed, std::size_t n);
+
+CaseRow to_row(const Case& one);
 
 /// Names of all kinds that random_cases deals out.
 std::vector<std::string> case_kinds();
