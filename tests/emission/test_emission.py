@@ -355,7 +355,7 @@ def test_what_templates_import_imports_nothing_itself() -> None:
 
 
 def test_what_templates_say_they_expect_exists() -> None:
-    """As `k` (emission.kernel_source.KernelContext): a module of the generator and a name in it."""
+    """As `k` (emission.context.KernelContext): a module of the generator and a name in it."""
     found, stale = 0, []
     for path in sorted(templates_folder().rglob("*.j2")):
         comments = " ".join(re.findall(r"{#-?(.*?)#}", path.read_text("utf-8"), re.DOTALL))

@@ -5,13 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ....emission.context import KernelContext
-from ....lowering import isa
 from ....lowering.collision_ends import at_zero
-from ....lowering.lanes import LaneContext
-from ....steppers.exact.context import ExactContext
-from ....steppers.fixed.batch import FixedStepBatch
-from ....steppers.fixed.loops import Loop
 from ..scene import Scene
+from .parts import KernelParts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,48 +15,28 @@ class BallBallContext(KernelContext):
     """A kernel of two balls."""
 
     scene: Scene
+    parts: KernelParts  # of the stepper
     tilt_allowed: bool
-    vector_frame: bool
-    core_template: str
-    project_template: str
-    restore_template: str
-    lift: bool
-    helpers: tuple[str, ...] = ()
-    functions: tuple[Loop, ...] = ()
-    chosen: bool = False
-    c_z_before: tuple[str, ...] = ()
-    estimate: isa.Estimate | None = None
-    pair_rsqrt: tuple[str, ...] = ()
-    pair_fma: str = ""
-    rsqrt_call: str = "exact_rsqrt"
-    exact: ExactContext | None = None
-    lanes: LaneContext | None = None  # the vocabulary of batches in lanes
-    euler_batch: FixedStepBatch | None = None
-    contact_slip: tuple[str, ...] = ()  # c_x and c_z, where friction depends on them
-    lanes_slip: tuple[str, ...] = ()  # the same in lanes
-    law: tuple[str, str, str] | None = None  # of friction, where the kernel makes it
-    motions: tuple[str, ...] = ()  # velocities that are zero in the scene, as ball1[6]
-    level_pairs: tuple[tuple[str, str], ...] = ()  # velocities that are equal in the scene
+    contact_slip: tuple[str, ...]  # c_x and c_z, where friction depends on them
+    lanes_slip: tuple[str, ...]  # the same in lanes
+    law: tuple[str, str, str] | None  # of friction, where the kernel makes it
+    motions: tuple[str, ...]  # velocities that are zero in the scene, as ball1[6]
+    level_pairs: tuple[tuple[str, str], ...]  # velocities that are equal in the scene
     quad_lanes: tuple[dict[str, str], ...] = field(
         default=tuple({"name": n, "index": str(i)} for i, n in enumerate(("v1", "o1", "v2", "o2")))
     )
 
     @property
-    def scalar_estimate(self) -> bool:
-        """Is a scalar root estimated? Lanes that are slips make all of theirs in pairs."""
-        return self.variant.get("simd") != "slips"
+    def vector_frame(self) -> bool:
+        return self.parts.vector_frame
 
-    def fma(self, a: str, b: str, c: str) -> str:
-        """a * b + c as this kernel rounds it."""
-        return f"std::fma({a}, {b}, {c})" if self.places_fma else f"{a} * {b} + {c}"
+    @property
+    def project_template(self) -> str:
+        return f"sections/project_{'vector' if self.vector_frame else 'scalar'}.j2"
 
-    def sum_of_squares(self, a: str, b: str) -> str:
-        return self.fma(a, a, f"{b} * {b}")
-
-    def pair_sum_of_squares(self, a: str, b: str) -> str:
-        if self.pair_fma:
-            return f"fma_pair({a}, {a}, {b} * {b})"
-        return f"{a} * {a} + {b} * {b}"
+    @property
+    def restore_template(self) -> str:
+        return f"sections/restore_{'vector' if self.vector_frame else 'scalar'}.j2"
 
     @property
     def level_ends(self) -> bool:

@@ -1,0 +1,63 @@
+"""What an exact stepper gives to a kernel of two balls."""
+
+from __future__ import annotations
+
+from ....lowering.counts import OperationCounts
+from ....lowering.lanes import LaneContext
+from ....registry.variant import Variant
+from ....steppers.exact.context import ExactContext, exact_context
+from ....targets.target import Target
+from ..models import find_model
+from ..scene import Scene, find_scene
+from .parts import KernelParts, lanes_of, refuse_lanes
+
+# The closed form's own operations: the normal impulse, the least of two, its sign.
+_CLOSED = OperationCounts(add=1, mul=4, compare=1, select=1)
+
+
+def exact_parts(variant: Variant, target: Target) -> KernelParts:
+    """Templates and numbers of an exact kernel. InputError where its scene has none."""
+    scene = find_scene(variant.scene)
+    scene.require_budget(variant.stepper.budget or 0.0)
+    exact = exact_context(variant, scene, find_model(variant.model).terms, target)
+    refuse_lanes(variant)
+    lanes = lanes_of(variant, target)
+    counts = exact.level.after.counts + _CLOSED if scene.level else exact.counts
+    return KernelParts(
+        core_template=_core(scene),
+        batch_template="exact/level_batch.j2" if scene.level else "exact/batch.j2",
+        counts=counts,
+        contract=_closed_contract(counts) if scene.level else _contract(exact, scene, lanes),
+        shown={"x": exact, "single": exact},
+        lanes=lanes,
+    )
+
+
+def _core(scene: Scene) -> str:
+    if scene.level:
+        return "exact/level_only.j2"
+    return "exact/single.j2" if scene.table_friction else "exact/free.j2"
+
+
+def _closed_contract(counts: OperationCounts) -> tuple[str, ...]:
+    return (
+        "Closed form, exact but for rounding: no ball is pressed onto the table.",
+        f"Operations: {counts.describe()} ({counts.flops} flops).",
+    )
+
+
+def _contract(exact: ExactContext, scene: Scene, lanes: LaneContext | None) -> tuple[str, ...]:
+    table = "" if scene.table_friction else " of the contact slip alone"
+    batches = (
+        "Batches: the steps in floats, whose rounding that bound includes; all that is before and "
+        "after them in doubles."
+    )
+    own = lanes is not None and lanes.floats and scene.precision != "float"
+    return (
+        f"Stepper: adaptive {exact.tableau.name}, order {exact.tableau.order}{table}; error "
+        f"against the exact solution at most {exact.budget:g} of the relative speed |v1 - v2|, "
+        "each of v and R w, as far as verification has seen (docs/accuracy.md).",
+        *((batches,) if own else ()),
+        f"Operations a step: {exact.counts.describe()} ({exact.counts.flops} flops), without the "
+        "control of its length and the roots' own.",
+    )
