@@ -1,4 +1,4 @@
-"""The kernels that modules of other languages carry: every model and goal, for some targets.
+"""The kernels that modules of other languages carry: every model and goal, unless fewer are chosen.
 
 One C++ source a kernel, each with a prefix of its own, and a table that names them all. The module
 takes the first row that its CPU runs.
@@ -17,9 +17,12 @@ from ..choice.lookup import default_kernel
 from ..emission.client_file import client_file
 from ..emission.context import Naming
 from ..emission.kernel_source import KernelSource, emit
+from ..errors import InputError
 from ..files import write_file
-from ..impacts.ball_ball.models import MODELS
+from ..impacts.ball_ball.models import MODELS, find_model
+from ..impacts.ball_ball.parameters import PARAMETERS
 from ..impacts.ball_ball.scene import find_scene
+from ..impacts.ball_ball.terms import MASS_RATIOS
 from ..lowering.isa import compiled_features
 from ..registry.names import name_of
 from ..registry.question import Goal, symbol_of
@@ -31,12 +34,39 @@ SCENE = "any"
 UNEQUAL, UNEQUAL_MODELS = "unequal", ("mathavan2014", "bottom_slip")  # pooltool: of equal balls
 STEPS = 1000  # pooltool's default; the kernel takes any other number too
 BUDGETS = (1e-3, 1e-6, 1e-9)  # loosest, so fastest, first
+GOALS = (Goal(steps=STEPS), *(Goal(budget=budget) for budget in BUDGETS))
 TARGETS = ("x86-64-v4", "x86-64-v3", "x86-64-v2")  # best first
+ARM_TARGETS = ("armv8",)
 WASM_TARGETS = ("wasm32",)
+BY_ARCHITECTURE = {"x86_64": TARGETS, "aarch64": ARM_TARGETS, "wasm32": WASM_TARGETS}
 # Ways of making 1/sqrt by the tightest budget that they are used for: what timing has chosen where
 # it has (README, "Exact kernels"). The module's tests verify each on all reference cases.
 _ROOTS = ((1e-3, "est0"), (1e-6, "est1"), (1e-9, "cubic"))
 COMMAND = "python -m generator.clients FOLDER"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What a module carries. Raises InputError where a name is none that there is."""
+
+    targets: tuple[str, ...] = TARGETS  # best first
+    models: tuple[str, ...] = tuple(model.name for model in MODELS)
+    goals: tuple[Goal, ...] = GOALS  # of equals budgets: loosest first
+
+    def __post_init__(self) -> None:
+        for name in self.targets:
+            target_or_port(name)
+        for name in self.models:
+            find_model(name)
+        if not (self.targets and self.models and self.goals):
+            raise InputError("the module: expected a target, a model and a goal at least")
+
+    @property
+    def unequal_models(self) -> tuple[str, ...]:
+        """Those of balls of two masses; the interface of JavaScript gives one mass."""
+        if self.targets == WASM_TARGETS:
+            return ()
+        return tuple(name for name in self.models if name in UNEQUAL_MODELS)
 
 
 @dataclass(frozen=True)
@@ -92,13 +122,11 @@ def _variant(target: Target, scene: str, model: str, goal: Goal) -> Variant:
     return default_lanes(_single(target, scene, model, goal), target)
 
 
-def rows(targets: tuple[str, ...] = TARGETS) -> tuple[Row, ...]:
+def rows(choice: Choice = Choice()) -> tuple[Row, ...]:
     """The whole set: by model, then goal, then target, best first; then those of two masses."""
-    budgets = tuple(Goal(budget=budget) for budget in BUDGETS)
-    equal = _rows(targets, SCENE, [model.name for model in MODELS], (Goal(steps=STEPS), *budgets))
-    if targets == WASM_TARGETS:  # its interface gives one mass
-        return tuple(equal)
-    return (*equal, *_rows(targets, UNEQUAL, UNEQUAL_MODELS, budgets))
+    exact = tuple(goal for goal in choice.goals if goal.budget is not None)
+    equal = _rows(choice.targets, SCENE, choice.models, choice.goals)
+    return (*equal, *_rows(choice.targets, UNEQUAL, choice.unequal_models, exact))
 
 
 def _rows(
@@ -117,26 +145,32 @@ def _emit(row: Row) -> KernelSource:
     return emit(row.variant, Naming(row.prefix), COMMAND)
 
 
-def kernel_set(targets: tuple[str, ...] = TARGETS) -> dict[str, str]:
+def kernel_set(choice: Choice = Choice()) -> dict[str, str]:
     """All files of the set by name, the table among them."""
-    table = rows(targets)
+    table = rows(choice)
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         sources = list(pool.map(_emit, table))
     files = {}
     for row, source in zip(table, sources, strict=True):
         files[f"{row.prefix}.h"] = source.header
         files[f"{row.prefix}.cpp"] = source.source
-    needs = [(symbol_of(name), compiled_features(target_or_port(name))) for name in targets]
+    needs = [(symbol_of(name), compiled_features(target_or_port(name))) for name in choice.targets]
     names = [name_of(row.variant) for row in table]
     files["kernel_table.cpp"] = client_file(
-        "kernel_table.cpp.j2", COMMAND, names, rows=table, targets=needs
+        "kernel_table.cpp.j2",
+        COMMAND,
+        names,
+        rows=table,
+        targets=needs,
+        ranges=PARAMETERS,
+        ratios=MASS_RATIOS,
     )
     return files
 
 
-def write_kernel_set(folder: Path, targets: tuple[str, ...] = TARGETS) -> int:
+def write_kernel_set(folder: Path, choice: Choice = Choice()) -> int:
     """Make a folder hold the set and no other source; how many files changed."""
-    files = kernel_set(targets)
+    files = kernel_set(choice)
     changed = 0
     for name, text in files.items():
         path = folder / name

@@ -21,7 +21,7 @@ struct Functions {
   const char* (*name)();
 };
 
-/// One kernel: for a model and either fixed steps or an error budget, on one level of x86-64.
+/// One kernel: for a model and either fixed steps or an error budget, on one target.
 struct Row {
   const char* model;
   const char* target;
@@ -37,6 +37,16 @@ struct Row {
 
 extern const Row kRows[];
 extern const std::size_t kRowCount;
+
+/// What kernels take: the numbers of Parameters in their order, then how heavy ball 1 may be.
+struct Range {
+  const char* name;
+  double low, high;
+};
+
+constexpr std::size_t kRangeCount = 6;
+extern const Range kRanges[kRangeCount];
+extern const Range kMassRatio;
 
 }  // namespace carom
 

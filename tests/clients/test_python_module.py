@@ -16,7 +16,7 @@ from generator.evidence.verification.euler import euler_verdict
 from generator.evidence.verification.reference import load_reference
 from generator.evidence.verification.scene_cases import cases_for_scene
 from generator.impacts.ball_ball.models import MODELS
-from generator.impacts.ball_ball.parameters import CASE_M1
+from generator.impacts.ball_ball.parameters import CASE_M1, LIMITS
 from generator.impacts.ball_ball.scene import find_scene
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -157,10 +157,11 @@ def test_a_second_mass_is_shown_held_to_its_range_and_refused_where_it_is_none()
     assert parameters().M1 == parameters().M and "M1" not in repr(parameters())
     assert "M1=0.2)" in repr(parameters(M=0.1, M1=0.2))
     kernel = carom().Kernel("mathavan2014")
-    for M1 in (0.0099, 1.01, -0.1, float("nan")):
-        assert by_call(kernel, parameters(M=0.1, M1=M1), one)[12] == carom().Status.BAD_INPUT
     for M1 in (0.01, 1.0):
         assert by_call(kernel, parameters(M=0.1, M1=M1), one)[12] == carom().Status.OK
+    for M1 in (0.0099, 1.01, -0.1, float("nan")):
+        with pytest.raises(ValueError, match=rf"M1 = {M1} is out of range: expected 0.1 to 10 tim"):
+            parameters(M=0.1, M1=M1)
     for other in (carom().Kernel("pooltool"), carom().Kernel("mathavan2014", steps=1000)):
         for way in WAYS:
             with pytest.raises(ValueError, match="M1: only kernels with max_error and of the mod"):
@@ -270,36 +271,116 @@ def test_what_comes_in_is_left_alone_and_into_may_alias() -> None:
     assert np.array_equal(ball1, out1) and np.array_equal(ball2, out2)
 
 
-def test_other_numbers_and_orders_are_converted_and_other_shapes_refused() -> None:
+def test_other_numbers_and_orders_are_converted() -> None:
     kernel, parameters = carom().Kernel(), carom().Parameters()
     ball1 = np.array([[0, 0, 0], [0, 2, 0], [-30, 0, 0]])
     ball2 = np.array([[0, 1, 0], [0, 0, 0], [0, 0, 0]])
     whole = kernel.collide(parameters, ball1, ball2)
-    columns = kernel.collide(parameters, np.asfortranarray(ball1, float), ball2.astype(float))
-    assert np.array_equal(whole[0], columns[0]) and np.array_equal(whole[1], columns[1])
-    good, balls = ball1.astype(float), million_like(5)[1]
+    for given in (
+        (np.asfortranarray(ball1, float), ball2.astype(np.float32)),
+        (ball1.tolist(), tuple(map(tuple, ball2))),
+        (list(ball1), ball2.tolist()),
+    ):
+        again = kernel.collide(parameters, *given)
+        assert np.array_equal(whole[0], again[0]) and np.array_equal(whole[1], again[1])
+    out, status = kernel.collide_batch(parameters, million_like(5)[1][:, :0])
+    assert out.shape == (12, 0) and status.shape == (0,)
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_columns_rows_lists_and_pairs_of_balls_give_the_same_results(goal) -> None:
+    """(18, n), (n, 18), and two (n, 3, 3), also where they lie apart in memory."""
+    kernel = carom().Kernel("mathavan2014", **goal)
+    parameters, balls = million_like(300)
+    out, status = kernel.collide_batch(parameters, balls)
+    rows = balls.T.copy()
+    both = rows.reshape(300, 2, 3, 3)
+    for given in (rows, rows.tolist(), np.asfortranarray(rows), rows.astype(object).astype(float)):
+        got, marks = kernel.collide_batch(parameters, given)
+        assert got.shape == (300, 12)
+        assert np.array_equal(got.T, out, equal_nan=True) and np.array_equal(marks, status)
+    given_place = np.full((300, 12), np.nan)
+    kernel.collide_batch(parameters, rows, out=given_place)
+    assert np.array_equal(given_place.T, out, equal_nan=True)
+    for pair in ((both[:, 0], both[:, 1]), (both[:, 0].tolist(), both[:, 1].copy())):
+        one, two, marks = kernel.collide_batch(parameters, *pair)
+        assert one.shape == two.shape == (300, 3, 3) and np.array_equal(marks, status)
+        assert np.array_equal(one[:, 0], both[:, 0, 0], equal_nan=True)
+        assert np.array_equal(two[:, 0], both[:, 1, 0], equal_nan=True)
+        velocities = np.concatenate([one[:, 1:], two[:, 1:]], axis=1).reshape(300, 12)
+        assert np.array_equal(velocities.T, out, equal_nan=True)
+
+
+def test_friction_is_a_number_or_one_a_collision() -> None:
+    kernel, (parameters, balls) = carom().Kernel(), million_like(50)
+    both = balls.T.reshape(50, 2, 3, 3)
+    want, _ = kernel.collide_batch(parameters.replace(u_b=0.1), balls)
+    spread = np.repeat(0.1, 100)[::2]
+    for u_b in (0.1, np.float32(0.1).astype(float), np.array(0.1), [0.1] * 50, spread):
+        got, _ = kernel.collide_batch(parameters, balls, u_b=u_b)
+        one, _, _ = kernel.collide_batch(parameters, both[:, 0], both[:, 1], u_b=u_b)
+        tolerance = 1e-6 * np.abs(want).max()
+        assert np.allclose(got, want, atol=tolerance)
+        assert np.array_equal(one[:, 1:].reshape(50, 6).T, got[:6], equal_nan=True)
+
+
+def test_wrong_shapes_and_types_are_named_with_what_came_and_what_is_needed() -> None:
+    kernel, p = carom().Kernel(), carom().Parameters()
+    good, balls = np.array([[0, 0, 0], [0, 2, 0], [-30, 0, 0.0]]), million_like(5)[1]
     frozen = good.copy()
     frozen.flags.writeable = False
-    refused = [
-        lambda: kernel.collide(parameters, good[:2], good),
-        lambda: kernel.collide(parameters, good.ravel(), good),
-        lambda: kernel.collide_into(parameters, good, good, good, frozen),
-        lambda: kernel.collide_into(parameters, good, good, good, good.astype(np.float32)),
-        lambda: kernel.collide_batch(parameters, balls.T),
-        lambda: kernel.collide_batch(parameters, balls, out=np.empty((12, 5), np.float32)),
-    ]
-    for call in refused:
-        with pytest.raises(TypeError):
+    ball, many = "expected numbers of shape \\(3, 3\\)", np.zeros((5, 3, 3))
+    for call, message in {
+        lambda: kernel.collide({}, good, good): "parameters: expected carom.Parameters; dict came",
+        lambda: kernel.collide(p, good[:2], good): f"ball1: {ball}.* float64 .* \\(2, 3\\) came",
+        lambda: kernel.collide(p, good, good.ravel()): f"ball2: {ball}.* shape \\(9,\\) came",
+        lambda: kernel.collide(p, good, "balls"): f"ball2: {ball}.*; str came",
+        lambda: kernel.collide(p, None, good): f"ball1: {ball}.*; NoneType came",
+        lambda: kernel.collide(p, [[1, 2, 3], [1]], good): f"ball1: {ball}.*; list came",
+        lambda: kernel.collide(p, good + 1j, good): f"ball1: {ball}.* complex128 array",
+        lambda: kernel.collide_into(p, good, good, good, frozen): "out2: expected a writable",
+        lambda: kernel.collide_into(
+            p, good, good, good.astype("f4"), good
+        ): "out1: .*float32 array",
+        lambda: kernel.collide_batch(
+            p, balls[:17]
+        ): "balls: .*\\(18, n\\) or \\(n, 18\\).*\\(17, 5\\)",
+        lambda: kernel.collide_batch(p, many): "balls: .*two arguments of shape \\(n, 3, 3\\)",
+        lambda: kernel.collide_batch(p, many, balls): "ball2: .*\\(n, 3, 3\\).*\\(18, 5\\) came",
+        lambda: kernel.collide_batch(p, balls, u_b="high"): "u_b: expected a number, or one",
+        lambda: kernel.collide_batch(p, balls, out=np.empty((12, 5), "f4")): "out: .*float32 array",
+        lambda: kernel.collide_batch(p, balls, status=[0] * 5): "status: .*uint8.*; list came",
+        lambda: carom().Kernel(7): "model: expected a str; int came",
+        lambda: carom().Kernel(steps=1.5): "steps: expected a whole number.*; float came",
+        lambda: carom().Kernel(max_error="small"): "max_error: expected a number; str came",
+        lambda: carom().Parameters(R="big"): "R: expected a number; str came",
+    }.items():
+        with pytest.raises(TypeError, match=message):
             call()
-    for call in (
-        lambda: kernel.collide_batch(parameters, balls, u_b=np.zeros(4)),
-        lambda: kernel.collide_batch(parameters, balls, out=np.empty((12, 4))),
-        lambda: kernel.collide_batch(parameters, balls, status=np.empty(6, np.uint8)),
-    ):
-        with pytest.raises(ValueError, match="expected"):
+    for call, message in {
+        lambda: kernel.collide_batch(p, balls, u_b=np.zeros(4)): "u_b: .* a collision, 5; 4 came",
+        lambda: kernel.collide_batch(p, balls, u_b=1.5): "u_b = 1.5 is out of range: expected 0 to",
+        lambda: kernel.collide_batch(
+            p, balls, out=np.empty((12, 4))
+        ): "out: .*\\(12, 5\\); .* came",
+        lambda: kernel.collide_batch(p, balls, status=np.empty(6, "u1")): "status: .* 5; 6 came",
+        lambda: kernel.collide_batch(p, many, many[:4]): "ball2: .* as ball1 has, 5; 4 came",
+    }.items():
+        with pytest.raises(ValueError, match=message):
             call()
-    out, status = kernel.collide_batch(parameters, balls[:, :0])
-    assert out.shape == (12, 0) and status.shape == (0,)
+
+
+@pytest.mark.parametrize("name", ["R", "M", "u_s1", "u_s2", "u_b", "e_b"])
+def test_parameters_out_of_range_are_refused_when_made_with_name_and_range(name) -> None:
+    low, high = LIMITS[name]
+    wanted = rf"^{name} = .* is out of range: expected {low:g} to {high:g}$".replace("+", r"\+")
+    for value in (low - 1e-9, high * 1.001, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match=wanted):
+            carom().Parameters(**{name: value})
+        with pytest.raises(ValueError, match=wanted):
+            carom().Parameters().replace(**{name: value})
+    for value in (low, high):
+        assert getattr(carom().Parameters(**{name: value}), name) == value
 
 
 def test_other_threads_run_during_a_batch() -> None:
@@ -311,6 +392,19 @@ def test_other_threads_run_during_a_batch() -> None:
     while batch.is_alive():
         turns += 1
     print(f"{turns} turns of the main thread during a batch")
+    assert turns > 1000
+
+
+def test_other_threads_run_during_a_long_call() -> None:
+    """A call of many steps gives the interpreter's lock away; others see it all the time."""
+    kernel, parameters = carom().Kernel("pooltool", steps=20_000_000), carom().Parameters()
+    ball1, ball2 = million_like(1)[1][:, 0].reshape(2, 3, 3)
+    call = threading.Thread(target=kernel.collide, args=(parameters, ball1, ball2))
+    call.start()
+    turns = 0
+    while call.is_alive():
+        turns += 1
+    print(f"{turns} turns of the main thread during a call")
     assert turns > 1000
 
 

@@ -1,0 +1,66 @@
+// Batches in any layout: a line of numbers for each column of a kernel, with a step from one
+// collision to the next. Lines of step 1 are used where they lie; others are gathered in blocks.
+#ifndef CAROM_PYTHON_COLUMNS_H_
+#define CAROM_PYTHON_COLUMNS_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace carom {
+
+template <class Value, std::size_t kCount>
+struct Lines {
+  std::array<Value*, kCount> at;
+  std::array<std::int64_t, kCount> step;
+
+  bool contiguous() const {
+    return std::all_of(step.begin(), step.end(), [](std::int64_t each) { return each == 1; });
+  }
+
+  /// Lines `first` to `first + count`, of numbers that are `between` apart.
+  void set(std::size_t first, std::size_t count, Value* start, std::int64_t between,
+           std::int64_t to_next) {
+    for (std::size_t j = 0; j < count; ++j) {
+      at[first + j] = start + static_cast<std::int64_t>(j) * between;
+      step[first + j] = to_next;
+    }
+  }
+};
+
+using Inputs = Lines<const double, 18>;
+using Outputs = Lines<double, 12>;
+
+constexpr std::size_t kBlock = 2048;  // collisions that are gathered at once: what lanes work on
+
+/// Calls run(first, count, in, out) with columns that are contiguous, block by block.
+template <class Run>
+void in_blocks(const Inputs& balls, const Outputs& results, std::size_t n, const Run& run) {
+  if (balls.contiguous() && results.contiguous()) {
+    run(std::size_t{0}, n, balls.at, results.at);
+    return;
+  }
+  std::vector<std::array<double, kBlock + 8>> block(30);  // columns apart by no power of two
+  std::array<const double*, 18> in;
+  std::array<double*, 12> out;
+  for (std::size_t j = 0; j < 18; ++j) in[j] = block[j].data();
+  for (std::size_t j = 0; j < 12; ++j) out[j] = block[18 + j].data();
+  for (std::size_t first = 0; first < n; first += kBlock) {
+    const std::size_t count = std::min(kBlock, n - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto place = static_cast<std::int64_t>(first + i);
+      for (std::size_t j = 0; j < 18; ++j) block[j][i] = balls.at[j][place * balls.step[j]];
+    }
+    run(first, count, in, out);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto place = static_cast<std::int64_t>(first + i);
+      for (std::size_t j = 0; j < 12; ++j) results.at[j][place * results.step[j]] = out[j][i];
+    }
+  }
+}
+
+}  // namespace carom
+
+#endif  // CAROM_PYTHON_COLUMNS_H_

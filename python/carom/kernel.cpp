@@ -1,0 +1,254 @@
+#include "kernel.h"
+
+#include <algorithm>
+
+#include "parameters.h"
+
+namespace carom {
+
+namespace {
+
+constexpr double kDefaultError = 1e-6;
+constexpr int kMostSteps = 100000000;
+constexpr int kLongSteps = 10000;  // of a call that takes so long that other threads are let run
+constexpr const char* kOneMass =
+    "M1: only kernels with max_error and of the models mathavan2014 and bottom_slip take balls of "
+    "two masses; leave M1 out, or name such a kernel";
+constexpr const char* kBalls =
+    "numbers of shape (18, n) or (n, 18), r1x to w2z, or two arguments of shape (n, 3, 3)";
+constexpr const char* kPairs =
+    "numbers of shape (n, 3, 3): position, velocity and angular velocity of n balls";
+
+Request checked(Request request) {
+  if (request.max_error && request.steps) {
+    refuse_value("max_error and steps exclude each other: name one of them");
+  }
+  if (request.steps && (*request.steps < 1 || *request.steps > kMostSteps)) {
+    refuse_value("steps: expected 1 to " + std::to_string(kMostSteps) + "; " +
+                 std::to_string(*request.steps) + " came");
+  }
+  if (!request.steps && !request.max_error) request.max_error = kDefaultError;
+  return request;
+}
+
+// That of balls of two masses beside one of equal balls; nullptr where there is none.
+const Row* unequal_row(const Row& equal) {
+  for (std::size_t i = 0; i < kRowCount; ++i) {
+    const Row& row = kRows[i];
+    const bool same = std::string(row.model) == equal.model && row.runs == equal.runs;
+    if (row.unequal && same && row.budget == equal.budget) return &row;
+  }
+  return nullptr;
+}
+
+// A new array in memory of the kernel's: one may outlive the other.
+template <class Value>
+nb::object made(const std::shared_ptr<Spare>& spare, std::initializer_list<std::size_t> shape) {
+  std::size_t count = sizeof(Value);
+  for (const std::size_t each : shape) count *= each;
+  auto lent = std::make_unique<Lent>(spare, count);
+  void* const start = lent->block().start();
+  const nb::capsule owner(lent.release(), [](void* p) noexcept { delete static_cast<Lent*>(p); });
+  return nb::cast(nb::ndarray<nb::numpy, Value>(start, shape, owner));
+}
+
+bool has_shape(const Places& array, std::size_t rows, std::size_t columns) {
+  return array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == columns;
+}
+
+// The friction of each of n collisions; nullptr where there is one for all, which goes to `p`.
+std::optional<Numbers> frictions(Parameters& p, nb::handle given, std::size_t n) {
+  if (given.is_none()) return std::nullopt;
+  const bool single = PyNumber_Check(given.ptr()) != 0 && !nb::hasattr(given, "__len__");
+  if (single || (nb::hasattr(given, "ndim") && nb::cast<int>(given.attr("ndim")) == 0)) {
+    p.u_b = number_of(given, "u_b");
+    require_in_ranges(p);
+    return std::nullopt;
+  }
+  static constexpr const char* kNeed = "a number, or one number a collision, of shape (n,)";
+  Numbers numbers = numbers_of(given, "u_b", kNeed);
+  if (numbers.ndim() != 1) refuse_type("u_b", given, kNeed);
+  if (numbers.shape(0) != n) {
+    refuse_value("u_b: expected one number a collision, " + std::to_string(n) + "; " +
+                 std::to_string(numbers.shape(0)) + " came");
+  }
+  if (n > 1 && numbers.stride(0) != 1)
+    numbers = numbers_of(doubles_of(given, "u_b", kNeed), "", "");
+  return numbers;
+}
+
+// The lines of a ball of n each: nine numbers, or its six velocities alone.
+template <std::size_t kFirst, class Value, std::size_t kCount, class Array>
+void set_ball(Lines<Value, kCount>& lines, std::size_t at, const Array& balls) {
+  for (std::size_t row = kFirst; row < 3; ++row) {
+    Value* const start = balls.data() + static_cast<std::int64_t>(row) * balls.stride(1);
+    lines.set(at + 3 * (row - kFirst), 3, start, balls.stride(2), balls.stride(0));
+  }
+}
+
+Numbers balls_of(nb::handle given, const char* name) {
+  Numbers balls = numbers_of(given, name, kPairs);
+  if (balls.ndim() != 3 || balls.shape(1) != 3 || balls.shape(2) != 3) {
+    refuse_type(name, given, kPairs);
+  }
+  return balls;
+}
+
+// A collision moves no ball.
+void copy_places(const Numbers& from, const Places& to) {
+  for (std::size_t i = 0; i < from.shape(0); ++i) {
+    const double* const place = from.data() + static_cast<std::int64_t>(i) * from.stride(0);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      to.data()[9 * i + axis] = place[static_cast<std::int64_t>(axis) * from.stride(2)];
+    }
+  }
+}
+
+}  // namespace
+
+Kernel::Kernel(const Request& request)
+    : request_(checked(request)),
+      row_(find_row(request_)),
+      unequal_(unequal_row(row_)),
+      steps_(request_.steps.value_or(0)),
+      empty_(nb::module_::import_("numpy").attr("empty")) {}
+
+const Row& Kernel::row_for(const Parameters& p) const {
+  if (!is_unequal(p)) return row_;
+  if (unequal_ == nullptr) refuse_value(kOneMass);
+  return *unequal_;
+}
+
+int Kernel::one(const Parameters& p, const double* ball1, const double* ball2, double* out1,
+                double* out2) const {
+  const Row& row = row_for(p);
+  if (steps_ == row.steps) return row.functions.collide(p, ball1, ball2, out1, out2);
+  return row_.collide_steps(p, ball1, ball2, out1, out2, steps_);
+}
+
+int Kernel::one_call(const Parameters& p, const double* ball1, const double* ball2, double* out1,
+                     double* out2) const {
+  if (steps_ < kLongSteps) return one(p, ball1, ball2, out1, out2);
+  row_for(p);  // what it refuses needs the lock
+  const nb::gil_scoped_release release;
+  return one(p, ball1, ball2, out1, out2);
+}
+
+nb::tuple Kernel::collide(nb::handle parameters, nb::handle ball1, nb::handle ball2) const {
+  const Parameters& p = parameters_of(parameters);
+  const BallArray one = ball_of(ball1, "ball1"), two = ball_of(ball2, "ball2");
+  const nb::object both1 = empty_(shape_), both2 = empty_(shape_);
+  const auto out1 = nb::cast<BallPlace>(both1), out2 = nb::cast<BallPlace>(both2);
+  const int status = one_call(p, one.data(), two.data(), out1.data(), out2.data());
+  return nb::make_tuple(both1, both2, static_cast<Status>(status));
+}
+
+Status Kernel::collide_into(nb::handle parameters, nb::handle ball1, nb::handle ball2,
+                            nb::handle out1, nb::handle out2) const {
+  const Parameters& p = parameters_of(parameters);
+  const BallArray one = ball_of(ball1, "ball1"), two = ball_of(ball2, "ball2");
+  const BallPlace to1 = ball_place(out1, "out1"), to2 = ball_place(out2, "out2");
+  return static_cast<Status>(one_call(p, one.data(), two.data(), to1.data(), to2.data()));
+}
+
+nb::tuple Kernel::collide_batch(nb::handle parameters, nb::handle balls, nb::handle u_b,
+                                nb::handle out, nb::handle status) const {
+  const Parameters& p = parameters_of(parameters);
+  const Numbers given = numbers_of(balls, "balls", kBalls);
+  if (given.ndim() != 2) refuse_type("balls", balls, kBalls);
+  const bool rows = given.shape(0) != 18;
+  if (rows && given.shape(1) != 18) refuse_type("balls", balls, kBalls);
+  const std::size_t n = given.shape(rows ? 0 : 1), across = rows ? n : 12, along = rows ? 12 : n;
+  Places places;
+  nb::object to = nb::borrow(out);
+  if (to.is_none()) to = made<double>(spare_out_, {across, along});
+  if (!nb::try_cast(to, places, false)) refuse_type("out", out, "a writable float64 array");
+  if (!has_shape(places, across, along)) {
+    const std::string shape = std::to_string(across) + ", " + std::to_string(along);
+    refuse_value("out: expected shape (" + shape + "); " + words_for(out) + " came");
+  }
+  const nb::object marks = statuses_for(status, n);
+  Inputs in;
+  Outputs results;
+  in.set(0, 18, given.data(), given.stride(rows ? 1 : 0), given.stride(rows ? 0 : 1));
+  results.set(0, 12, places.data(), places.stride(rows ? 1 : 0), places.stride(rows ? 0 : 1));
+  batch(p, u_b, in, results, nb::cast<Statuses>(marks));
+  return nb::make_tuple(to, marks);
+}
+
+nb::tuple Kernel::collide_pairs(nb::handle parameters, nb::handle ball1, nb::handle ball2,
+                                nb::handle u_b, nb::handle status) const {
+  const Parameters& p = parameters_of(parameters);
+  const Numbers one = balls_of(ball1, "ball1"), two = balls_of(ball2, "ball2");
+  const std::size_t n = one.shape(0);
+  if (two.shape(0) != n) {
+    refuse_value("ball2: expected as many balls as ball1 has, " + std::to_string(n) + "; " +
+                 std::to_string(two.shape(0)) + " came");
+  }
+  const nb::object to1 = made<double>(spare_out_, {n, 3, 3});
+  const nb::object to2 = made<double>(spare_out2_, {n, 3, 3});
+  const auto places1 = nb::cast<Places>(to1), places2 = nb::cast<Places>(to2);
+  const nb::object marks = statuses_for(status, n);
+  Inputs in;
+  Outputs results;
+  set_ball<0>(in, 0, one);
+  set_ball<0>(in, 9, two);
+  set_ball<1>(results, 0, places1);
+  set_ball<1>(results, 6, places2);
+  copy_places(one, places1);
+  copy_places(two, places2);
+  batch(p, u_b, in, results, nb::cast<Statuses>(marks));
+  return nb::make_tuple(to1, to2, marks);
+}
+
+nb::object Kernel::statuses_for(nb::handle given, std::size_t n) const {
+  if (given.is_none()) return made<unsigned char>(spare_statuses_, {n});
+  Statuses status;
+  if (!nb::try_cast(given, status, false)) {
+    refuse_type("status", given, "a writable uint8 array of shape (n,), contiguous");
+  }
+  if (status.shape(0) != n) {
+    refuse_value("status: expected one byte a collision, " + std::to_string(n) + "; " +
+                 std::to_string(status.shape(0)) + " came");
+  }
+  return nb::borrow(given);
+}
+
+void Kernel::batch(Parameters p, nb::handle u_b, const Inputs& in, const Outputs& out,
+                   Statuses status) const {
+  const std::size_t n = status.shape(0);
+  const std::optional<Numbers> each = frictions(p, u_b, n);
+  const Row& row = row_for(p);
+  const double* const friction = each ? each->data() : nullptr;
+  const nb::gil_scoped_release release;
+  in_blocks(in, out, n,
+            [&](std::size_t first, std::size_t count, const auto& from, const auto& to) {
+              run(row, p, friction != nullptr ? friction + first : nullptr, count, from, to,
+                  status.data() + first);
+            });
+}
+
+void Kernel::run(const Row& row, const Parameters& p, const double* u_b, std::size_t n,
+                 const std::array<const double*, 18>& in, const std::array<double*, 12>& out,
+                 unsigned char* status) const {
+  if (steps_ == row.steps) {
+    row.functions.batch(p, u_b, n, in.data(), out.data(), status);
+    return;
+  }
+  Parameters each = p;
+  for (std::size_t i = 0; i < n; ++i) {
+    double ball1[9], ball2[9];
+    for (std::size_t j = 0; j < 9; ++j) {
+      ball1[j] = in[j][i];
+      ball2[j] = in[j + 9][i];
+    }
+    if (u_b != nullptr) each.u_b = u_b[i];
+    status[i] = static_cast<unsigned char>(one(each, ball1, ball2, ball1, ball2));
+    for (std::size_t j = 0; j < 6; ++j) {
+      out[j][i] = ball1[j + 3];
+      out[j + 6][i] = ball2[j + 3];
+    }
+  }
+}
+
+}  // namespace carom

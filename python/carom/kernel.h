@@ -1,0 +1,90 @@
+// carom.Kernel: one kernel of the table, called with what Python gives.
+#ifndef CAROM_PYTHON_KERNEL_H_
+#define CAROM_PYTHON_KERNEL_H_
+
+#include <array>
+#include <cstddef>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "arguments.h"
+#include "columns.h"
+#include "kernel_table.h"
+#include "result_memory.h"
+
+namespace carom {
+
+/// What became of a collision: as in carom.h.
+enum class Status : int { kOk = 0, kSeparating = 1, kBadInput = 2, kTilted = 3 };
+
+/// What a kernel is asked for by; `target` where it was named.
+struct Request {
+  std::string model;
+  std::optional<double> max_error;
+  std::optional<int> steps;
+  std::optional<std::string> target;
+};
+
+/// Raises ValueError naming what there is, RuntimeError where the CPU does not run it.
+const Row& find_row(const Request& request);
+
+class Kernel {
+ public:
+  explicit Kernel(const Request& request);
+
+  const Request& request() const { return request_; }
+  const char* model() const { return row_.model; }
+  const char* target() const { return row_.target; }
+  const char* name() const { return row_.functions.name(); }
+  int lanes() const { return steps_ == row_.steps ? row_.lanes : 1; }
+  std::optional<int> steps() const { return steps_ > 0 ? std::optional(steps_) : std::nullopt; }
+  std::optional<double> max_error() const {
+    return row_.budget > 0.0 ? std::optional(row_.budget) : std::nullopt;
+  }
+  bool operator==(const Kernel& other) const {
+    return &row_ == &other.row_ && steps_ == other.steps_;
+  }
+
+  nb::tuple collide(nb::handle parameters, nb::handle ball1, nb::handle ball2) const;
+  Status collide_into(nb::handle parameters, nb::handle ball1, nb::handle ball2, nb::handle out1,
+                      nb::handle out2) const;
+  /// `balls`: (18, n), or (n, 18), whose results are (n, 12).
+  nb::tuple collide_batch(nb::handle parameters, nb::handle balls, nb::handle u_b, nb::handle out,
+                          nb::handle status) const;
+  /// Two arrays (n, 3, 3), as are the results.
+  nb::tuple collide_pairs(nb::handle parameters, nb::handle ball1, nb::handle ball2, nb::handle u_b,
+                          nb::handle status) const;
+
+ private:
+  using Memory = std::shared_ptr<Spare>;
+
+  const Row& row_for(const Parameters& p) const;
+  int one(const Parameters& p, const double* ball1, const double* ball2, double* out1,
+          double* out2) const;
+  int one_call(const Parameters& p, const double* ball1, const double* ball2, double* out1,
+               double* out2) const;
+  nb::object statuses_for(nb::handle given, std::size_t n) const;
+  void batch(Parameters p, nb::handle u_b, const Inputs& in, const Outputs& out,
+             Statuses status) const;
+  void run(const Row& row, const Parameters& p, const double* u_b, std::size_t n,
+           const std::array<const double*, 18>& in, const std::array<double*, 12>& out,
+           unsigned char* status) const;
+
+  Request request_;
+  const Row& row_;
+  const Row* unequal_;  // for balls of two masses, or nullptr
+  int steps_;
+  Memory spare_out_ = std::make_shared<Spare>();
+  Memory spare_out2_ = std::make_shared<Spare>();
+  Memory spare_statuses_ = std::make_shared<Spare>();
+  nb::object empty_;
+  nb::tuple shape_ = nb::make_tuple(3, 3);
+};
+
+void bind_kernel(nb::module_& m);
+
+}  // namespace carom
+
+#endif  // CAROM_PYTHON_KERNEL_H_
