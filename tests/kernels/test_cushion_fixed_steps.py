@@ -18,7 +18,7 @@ from tests.support.kernels import build_all
 
 CASES = load_cases()
 SAME = 1e-9  # of the largest speed before
-# A slip that is zero but for rounding decides which way the first step pushes: none on this C library.
+# A slip that is zero but for rounding decides which way the first step pushes: none here.
 MOST_FLIPS = 12
 
 

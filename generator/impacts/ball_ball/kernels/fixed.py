@@ -9,7 +9,8 @@ from ....lowering import isa
 from ....lowering.counts import OperationCounts
 from ....registry.variant import Variant
 from ....steppers.fixed.batch import fixed_step_batch
-from ....steppers.fixed.loops import Loop, LoopBuilder
+from ....steppers.fixed.loop import Loop
+from ....steppers.fixed.loops import LoopBuilder
 from ....targets.target import Target
 from .. import words
 from ..models import find_model
