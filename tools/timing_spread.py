@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 
 from generator.choice.candidates import default_lanes
-from generator.choice.workbench import BATCH_PARAMETERS, TIMING_CASES, TIMING_SEED
+from generator.choice.cases import BATCH_PARAMETERS, TIMING_CASES, TIMING_SEED
 from generator.evidence.timing.bench_tool import BenchTool
 from generator.evidence.timing.plan import PlannedKernel, TimingPlan
 from generator.evidence.timing.ratios import timing_results, timing_run

@@ -7,11 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..choice.candidates import baseline
+from ..choice.job import ROUNDS
+from ..choice.kernel import Built, Emitted, Rejected, Timed, Verified, verdict_of
 from ..choice.lookup import with_compiler_found
 from ..choice.modelling import frame_bound, lanes_in_flight, loop_report
 from ..choice.selection import Selected
-from ..choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
+from ..choice.workbench import TimingJob, Workbench
+from ..errors import KernelError
 from ..evidence.profiling.passes import steps_a_collision
+from ..evidence.timing.ratios import TimingResult, timing_results, timing_run
 from ..evidence.verification.errors import Array
 from ..impacts.ball_ball.scene import find_scene
 from ..targets.target import Target
@@ -24,7 +28,7 @@ COUNTED = 2000  # cases whose steps are counted, of an exact kernel
 class BenchRow:
     """One kernel, verified and timed."""
 
-    candidate: Candidate
+    candidate: Timed | Rejected
     is_selected: bool
     bound_cycles: float | None = None  # of a batch kernel: llvm-mca's throughput bound a collision
     core_ghz: float | None = None  # while it was timed
@@ -33,7 +37,18 @@ class BenchRow:
     @property
     def rejected(self) -> str:
         """Why the kernel failed; empty where it did not."""
-        return self.candidate.rejected
+        return self.candidate.text if isinstance(self.candidate, Rejected) else ""
+
+    @property
+    def timing(self) -> TimingResult | None:
+        """None where it failed."""
+        return None if isinstance(self.candidate, Rejected) else self.candidate.timing
+
+    @property
+    def error(self) -> float | None:
+        """The largest, over the relative speed; None where there is no verdict."""
+        verdict = verdict_of(self.candidate)
+        return verdict.max_rel_error if verdict else None
 
     @property
     def steps(self) -> int | None:
@@ -42,8 +57,8 @@ class BenchRow:
 
     def document(self) -> dict[str, Any]:
         """The row as `gen bench --json` writes it."""
-        c, v = self.candidate, self.candidate.variant
-        timing, verdict = c.timing, c.verdict
+        c, v, made = self.candidate, self.candidate.variant, self.candidate.emitted
+        timing = self.timing
         return {
             "name": c.name,
             "target": v.target,
@@ -56,27 +71,27 @@ class BenchRow:
             "steps": v.stepper.steps,
             "budget": v.stepper.budget,
             "width": v.width,
-            "compiler": c.compiler.version,
-            "flags": " ".join(c.flags),
+            "compiler": made.compiler.version,
+            "flags": " ".join(made.flags),
             "options": dict(v.options),
             "ns_per_collision": timing.ns if timing else None,
             "latency_ns": timing.latency_ns if timing else None,
             "tsc_cycles_per_collision": timing.cycles if timing else None,
             "ratio_to_baseline": timing.ratio if timing else None,
             "ratio_ci": list(timing.ratio_ci) if timing else None,
-            "max_rel_error": verdict.max_rel_error if verdict else None,
+            "max_rel_error": self.error,
             "error_against": f"euler_n{v.stepper.steps}" if v.stepper.steps else "exact",
             "bound_cycles_per_collision": self.bound_cycles,
             "core_ghz": self.core_ghz,
             "ns_by_threads": self.threads,
             "selected": self.is_selected,
-            "rejected": c.rejected or None,
+            "rejected": self.rejected or None,
         }
 
     @property
     def of_bound(self) -> float | None:
         """How many times what its loops' instructions allow a batch kernel takes, if known."""
-        timing = self.candidate.timing
+        timing = self.timing
         if self.bound_cycles is None or not self.core_ghz or timing is None:
             return None
         return timing.ns * self.core_ghz / self.bound_cycles
@@ -94,35 +109,59 @@ def bench_rows(
         for entry in own:
             found = with_compiler_found(entry.variant, tools.compilers)  # type: ignore[arg-type]
             variants.append(found)
-        candidates = tools.prepare(variants, target)
-        tools.compile(candidates)
-        expected = tools.expected(scene, model, 1000, VERIFY_SEED, VERIFY_RANDOM)
-        tools.verify(candidates, expected)
-        tools.verify_at_worst(candidates, expected)
-        single = [c for c in candidates if c.variant.width == 1]
-        wide = [c for c in candidates if c.variant.width > 1]
-        ghz = None
-        if any(not c.rejected for c in wide):
-            run = tools.time([*single, *wide], candidates[0], scene, seconds, batches=True)
-            ghz = run.core_ghz
-        tools.time(single, candidates[0], scene, seconds)
-        rows += [BenchRow(c, c is not candidates[0]) for c in single]
-        cases = tools.batch_cases(scene, model)
-        rows += [_batch_row(tools, c, target, ghz, cases) for c in wide]
+        emitted = tools.emit_all(variants, target)
+        kernels = tools.each("building and verifying", tools.check, emitted)
+        single = [k for k in kernels if not k.is_batch]
+        wide = [k for k in kernels if k.is_batch]
+        singles, _ = _timed(tools, single, [], seconds)
+        rows += [BenchRow(k, n > 0) for n, k in enumerate(singles)]
+        batches, ghz = _timed(tools, single, wide, seconds) if wide else ([], None)
+        cases = tools.cases.timed(scene, model, batches=True)
+        rows += [_batch_row(tools, k, target, ghz, cases) for k in batches]
     return rows
 
 
+def _timed(
+    tools: Workbench,
+    single: Sequence[Verified | Rejected],
+    wide: Sequence[Verified | Rejected],
+    seconds: float,
+) -> tuple[list[Timed | Rejected], float | None]:
+    """Kernels interleaved with the baseline, the first of the single ones; the core's clock.
+
+    Those with lanes where there are any, beside the single ones; else the single ones.
+    """
+    asked = wide or single
+    if all(isinstance(kernel, Rejected) for kernel in asked):
+        return [k for k in asked if isinstance(k, Rejected)], None
+    first = single[0].emitted
+    if not isinstance(first, Built):
+        raise KernelError(f"{first.name}: not built")
+    passed = [k for k in (*single, *wide) if not isinstance(k, Rejected)]
+    unique = {k.name: k for k in (first, *passed)}
+    job = TimingJob(tuple(unique.values()), ROUNDS, seconds, latency=True)
+    tools.progress(f"timing {len(unique)} kernels for {seconds:.0f} s", 0, 1)
+    run = timing_run(tools.time(job))
+    results = {result.name: result for result in timing_results(run)}
+    timed = [k if isinstance(k, Rejected) else k.timed(results[k.name]) for k in asked]
+    return timed, run.core_ghz
+
+
 def _batch_row(
-    tools: Workbench, candidate: Candidate, target: Target, ghz: float | None, cases: Array
+    tools: Workbench,
+    candidate: Timed | Rejected,
+    target: Target,
+    ghz: float | None,
+    cases: Array,
 ) -> BenchRow:
-    if candidate.rejected or candidate.library is None:
+    if isinstance(candidate, Rejected):
         return BenchRow(candidate, True)
     threads = tools.tool.threads(candidate.library.path, cases)
     return BenchRow(candidate, True, _bound_cycles(tools, candidate, target, cases), ghz, threads)
 
 
 def _bound_cycles(
-    tools: Workbench, candidate: Candidate, target: Target, cases: Array
+    tools: Workbench, candidate: Emitted, target: Target, cases: Array
 ) -> float | None:
     """Cycles that a collision needs at least in the loops of a batch kernel, all lanes busy.
 

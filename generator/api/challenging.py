@@ -11,7 +11,7 @@ import numpy as np
 
 from ..choice.lookup import require_runs, with_compiler_found
 from ..choice.workbench import Workbench
-from ..errors import InputError, KernelError
+from ..errors import InputError
 from ..evidence.challenge.document import document
 from ..evidence.challenge.envelope import envelope
 from ..evidence.challenge.kept import keep as keep_cases
@@ -132,10 +132,7 @@ def _subject(bench: Workbench, variant: Variant, batch: bool, extent: Extent) ->
     if budget is None:
         raise InputError(f"{name_of(variant)}: has no error budget; name an exact kernel")
     variant = with_compiler_found(variant, dict(bench.compilers))
-    candidate = bench.prepare([variant], find_target(variant.target))[0]
-    bench.compile([candidate])
-    if candidate.library is None:
-        raise KernelError(candidate.rejected)
+    candidate = bench.built(variant, find_target(variant.target))
     cache = bench.cache / "kernels"
 
     def count(cases: Array) -> Array:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..choice.lookup import require_runs, with_compiler_found
-from ..errors import KernelError
 from ..evidence.verification.errors import Array
 from .request import Request
 from .session import Session
@@ -45,10 +44,7 @@ def collide(
     variant = wanted.kernel(session)
     with session.workbench() as bench:
         variant = with_compiler_found(variant, bench.compilers)  # type: ignore[arg-type]
-        candidate = bench.prepare([variant], wanted.target)[0]
-        bench.compile([candidate])
-        if candidate.library is None:
-            raise KernelError(candidate.rejected)
+        candidate = bench.built(variant, wanted.target)
         outcomes = bench.tool.run_kernel(
             candidate.library.path,
             cases,

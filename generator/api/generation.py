@@ -6,19 +6,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from ..choice.batches import batch_job
-from ..choice.choose import Choice, selected
-from ..choice.folder import checked_selection, require_writable, write_folder
-from ..choice.job import Job, exact_job, fixed_step_job
-from ..choice.selection import Selected, Selection, place_of
-from ..choice.workbench import Candidate, Workbench
+from ..choice.choose import Choice
+from ..choice.entries import selected, write_selected
+from ..choice.folder import checked_selection, require_writable
+from ..choice.job import STEPS, Held, hold, hold_batches
+from ..choice.kernel import Estimated, Rejected, Timed, Verified, verdict_of
+from ..choice.selection import Selected, place_of
+from ..choice.workbench import Workbench
 from ..impacts.ball_ball.models import MODELS, find_model
 from ..impacts.ball_ball.scene import find_scene
 from ..registry.presets import preset_of
-from ..registry.question import DEFAULT_IMPACT, find_impact
+from ..registry.question import DEFAULT_IMPACT, Contest, Goal, find_impact
 from ..steppers.exact.budgets import plan_for
 from ..targets.host import Host
 from ..targets.target import Target
+from ..toolchain.replay import Modelled
 from .session import Session, resolve_target
 
 
@@ -68,18 +70,22 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Contest:
-    """Kernels that answer one question, and the one that was chosen.
+class Decision:
+    """The kernels of a contest, and the one that was chosen.
 
     `labels`: of the cases that were verified on. `entry`: the choice as selection.json has it.
     """
 
-    model: str
-    candidates: tuple[Candidate, ...]
-    baseline: Candidate
+    contest: Contest
+    candidates: tuple[Verified | Rejected, ...]
     choice: Choice
     entry: Selected
     labels: tuple[str, ...]
+
+    @property
+    def baseline(self) -> Verified | Rejected:
+        """What all are compared with."""
+        return self.candidates[0]
 
     @property
     def fixed(self) -> bool:
@@ -92,12 +98,28 @@ class Contest:
         goal = self.entry.goal
         words = f"N = {goal.steps}" if self.fixed else f"within {goal.budget:g}"
         calls = "batches" if self.choice.chosen.is_batch else "single calls"
-        return f"{self.model}, {words}, {calls}"
+        return f"{self.contest.model}, {words}, {calls}"
 
     @property
     def recipe(self) -> str:
         """The recipe of the choice."""
         return str(self.choice.chosen.variant.recipe)
+
+    @property
+    def rejected(self) -> dict[str, str]:
+        """Why candidates were, by name."""
+        return {c.name: c.text for c in self.candidates if isinstance(c, Rejected)}
+
+    @property
+    def model(self) -> Modelled | None:
+        """What llvm-mca gave of the choice, where it was asked."""
+        return _model(self.choice.chosen)
+
+    @property
+    def compiler_notes(self) -> list[str]:
+        """Of compilers that do not know the target's CPU."""
+        made = (candidate.emitted for candidate in self.candidates)
+        return sorted({f"{e.compiler.code}: {e.march_note}" for e in made if e.march_note})
 
     def rows(self) -> list[Row]:
         """Every candidate whose error is against the contest's reference, the fastest first."""
@@ -116,31 +138,40 @@ class Contest:
                 front.append(row)
         return front
 
-    def _row(self, candidate: Candidate) -> Row:
-        c, kept = candidate, candidate.recorded.record if candidate.recorded else None
-        first = self.baseline.modelled
-        timed = c.timing or kept
+    def _row(self, c: Verified | Rejected) -> Row:
+        timing = c.timing if isinstance(c, Timed) else None
+        found = c.record.record if isinstance(c, Estimated) and c.record else None
+        timed, cycles, first = timing or found, _cycles(c), _cycles(self.baseline)
         ratio, interval = (timed.ratio, timed.ratio_ci) if timed else (None, None)
         if self.choice.by == "llvm-mca":  # one meaning a column: times beside models do not compare
-            ratio = c.modelled.cycles / first.cycles if c.modelled and first else None
-            interval = None
+            ratio, interval = (cycles / first if cycles and first else None), None
+        verdict = verdict_of(c)
         return Row(
             label=preset_of(c.variant) or f"{c.variant.question.width} {c.variant.recipe}",
             ns=timed.ns if timed else None,
-            latency=c.timing.latency_ns if c.timing else None,
-            cycles=c.modelled.cycles if c.modelled else None,
+            latency=timing.latency_ns if timing else None,
+            cycles=cycles,
             ratio=ratio,
             interval=interval,
-            error=c.verdict.max_rel_error if c.verdict else None,
+            error=verdict.max_rel_error if verdict else None,
             mark=self._mark(c),
         )
 
-    def _mark(self, candidate: Candidate) -> Literal["chosen", "tie", "rejected", ""]:
-        if candidate.rejected:
+    def _mark(self, candidate: Verified | Rejected) -> Literal["chosen", "tie", "rejected", ""]:
+        if isinstance(candidate, Rejected):
             return "rejected"
-        if candidate is self.choice.chosen:
+        if candidate.name == self.choice.chosen.name:
             return "chosen"
         return "tie" if candidate.name in self.choice.ties else ""
+
+
+def _model(kernel: Verified | Rejected) -> Modelled | None:
+    return kernel.model if isinstance(kernel, Estimated) else None
+
+
+def _cycles(kernel: Verified | Rejected) -> float | None:
+    model = _model(kernel)
+    return model.cycles if model else None
 
 
 @dataclass(frozen=True)
@@ -155,7 +186,7 @@ class Generated:
     host: Host
     scene: str
     folder: Path
-    contests: tuple[Contest, ...]
+    decisions: tuple[Decision, ...]
     emulator: str
     reused: str
 
@@ -175,38 +206,28 @@ def generate(request: GenerateRequest | None = None, session: Session | None = N
     folder = place_of(asked.out or session.generated, asked.target, asked.scene, asked.impact)
     checked_selection(folder)  # what is wrong with it shall be said before the work, not after
     require_writable(folder)
-    fixed = [fixed_step_job] if asked.max_error is None and known.fixed_steps else []
-    contests: list[Contest] = []
+    goals = [Goal(budget=budget)]
+    if asked.max_error is None and known.fixed_steps:
+        goals.insert(0, Goal(steps=STEPS))
+    made: list[Decision] = []
     with session.workbench(target, asked.fresh) as bench:
         for model in models:
-            for job in [*fixed, exact_job(budget)]:
-                contests += _held(bench, job, target, host, model, asked)
-                _write(folder, asked, target, contests)
+            for goal in goals:
+                held = (asked.impact, target.name, asked.scene, model)
+                made += _decided(bench, Contest(*held, goal, "scalar"), host, asked.seconds)
+                write_selected(folder, asked.target, [decision.entry for decision in made])
         emulator = Path(bench.emulated.emulator[0]).name if bench.emulated else ""
-        reused = bench.reused()
-    return Generated(target, host, asked.scene, folder, tuple(contests), emulator, reused)
+        reused = bench.store.counts()
+    return Generated(target, host, asked.scene, folder, tuple(made), emulator, reused)
 
 
-def _held(
-    bench: Workbench, job: Job, target: Target, host: Host, model: str, asked: GenerateRequest
-) -> list[Contest]:
-    """The contests of single calls and of batches for one goal."""
-    candidates, first, choice = job(bench, target, host, asked.scene, model, asked.seconds)
-    found = [(candidates, first, choice)]
-    batches = batch_job(bench, target, host, asked.scene, first, choice.chosen, asked.seconds)
-    return [
-        Contest(model, tuple(each), base, chosen, selected(chosen, base), bench.labels)
-        for each, base, chosen in [*found, *([batches] if batches else [])]
-    ]
+def _decided(bench: Workbench, contest: Contest, host: Host, seconds: float) -> list[Decision]:
+    """The contest of single calls, and that of batches for the same goal."""
+    singles = hold(bench, contest, host, seconds)
+    batches = hold_batches(bench, singles, host, seconds)
+    return [_told(bench, held) for held in (singles, batches) if held is not None]
 
 
-def _write(folder: Path, asked: GenerateRequest, target: Target, contests: list[Contest]) -> None:
-    selection = checked_selection(folder) or Selection(
-        impact=asked.impact,
-        target=asked.target,
-        resolved=target.name,
-        scene=asked.scene,
-        kernels=[],
-    )
-    selection = selection.model_copy(update={"resolved": target.name})
-    write_folder(folder, selection.with_entries([contest.entry for contest in contests]))
+def _told(bench: Workbench, held: Held) -> Decision:
+    choice, labels = held.choice, bench.cases.of(held.choice.chosen.variant).labels
+    return Decision(held.contest, tuple(held.kernels), choice, selected(choice), labels)

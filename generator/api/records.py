@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..choice.job import STEPS
@@ -15,12 +14,10 @@ from ..impacts.ball_ball.models import MODELS, find_model
 from ..registry.lane_numbers import widths_for
 from ..steppers.exact.budgets import plan_for
 from ..sweep.explore import Observer
-from ..sweep.lab import Lab, LocalLab
-from ..sweep.ledger import new_run
-from ..sweep.record import Run
+from ..sweep.lab import Lab
+from ..sweep.ledger import Ledger, new_run
 from ..sweep.refresh import add_exported, contests_of
 from ..sweep.refresh import refresh as refresh_plan
-from ..sweep.station import Station
 from ..sweep.store import default_store, opened, read_only
 from ..sweep.store import merge as merge_stores
 from ..sweep.sweep import Outcome, Plan
@@ -151,17 +148,19 @@ def refresh(
     plan = _plan(target, asked, session)
     note_too_short(plan, session, len(names))
 
-    @contextmanager
-    def lab_of(model: str) -> Iterator[Lab]:
-        with session.without_steps().workbench() as bench:
-            yield LocalLab(Station(bench, SCENE, model), target)
-
-    def run_of(lab: Lab) -> Run:
-        return new_run(asked.command, SEED, lab.cpu, target.name, lab.compilers, host.cpuid)
-
     place = asked.out or timings_path(session.root, target.name)
-    with opened(asked.store or session.cache / FILE) as kept_in:
-        return tuple(refresh_plan(plan, names, lab_of, kept_in, run_of, place, observe, say))
+    with (
+        opened(asked.store or session.cache / FILE) as store,
+        session.without_steps().workbench() as bench,
+    ):
+        lab = Lab(bench, target)
+        run = new_run(asked.command, SEED, lab.cpu, target.name, lab.compilers, host.cpuid)
+
+        def after(model: str) -> None:
+            say(f"{model}: {add_exported(store, target.name, place, say)}")
+
+        plan = replace(plan, compilers=tuple(lab.compilers))
+        return tuple(refresh_plan(plan, names, lab, Ledger(store, run), observe, after))
 
 
 def _near(host: Host) -> str:

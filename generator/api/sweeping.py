@@ -7,25 +7,23 @@ from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
+from ..choice.entries import selected_by_sweep, write_selected
 from ..choice.folder import checked_selection, require_writable
 from ..choice.job import STEPS
 from ..choice.selection import place_of
+from ..choice.trials import Final, Run
 from ..errors import InputError
 from ..impacts.ball_ball.models import find_model
 from ..impacts.ball_ball.scene import find_scene
 from ..registry.lane_numbers import widths_for
-from ..registry.question import DEFAULT_IMPACT, find_impact
+from ..registry.question import CALLS, DEFAULT_IMPACT, Call, Contest, Goal, find_impact
 from ..steppers.exact.budgets import plan_for
 from ..sweep.explore import Observer
-from ..sweep.lab import Lab, LocalLab
+from ..sweep.lab import Lab
 from ..sweep.ledger import Ledger, new_run
 from ..sweep.recheck import verify_choice
-from ..sweep.record import Final, Run
-from ..sweep.selecting import write_choices
-from ..sweep.space import Contest, parse_only
-from ..sweep.station import Station
+from ..sweep.space import parse_only
 from ..sweep.store import ResultStore, default_store, opened, read_only
 from ..sweep.sweep import USEFUL_MINUTES, Outcome, Plan, explorations, require_spaces, run_sweep
 from ..targets.host import read_host
@@ -33,7 +31,6 @@ from ..targets.target import Target
 from .cluster import connected
 from .session import Session, resolve_target
 
-Call = Literal["scalar", "batch"]
 DEFAULT_MINUTES = 19.0
 
 
@@ -120,10 +117,10 @@ def sweep(
         require_writable(asked.folder(session))
     with _begun(asked, session) as (plan, lab, _, ledger):
         outcomes = run_sweep(plan, lab, ledger, observe, started)
-    folder = asked.folder(session) if asked.write else None
+    entries = [selected_by_sweep(each.final) for each in outcomes if each.final is not None]
+    folder = asked.folder(session) if asked.write and entries else None
     if folder is not None:
-        finals = [outcome.final for outcome in outcomes if outcome.final is not None]
-        write_choices(folder, asked.target, plan.target.name, asked.scene, finals)
+        write_selected(folder, asked.target, entries)
     place, unused = asked.place(session), dict(sorted(ledger.unused.items()))
     return Swept(tuple(outcomes), place, folder, ledger.made, ledger.reused, unused)
 
@@ -165,7 +162,7 @@ def _begun(
         "scalar": (1,),
         "batch": tuple(w for w in widths_for(target, asked.scene, "exact") if w > 1),
     }
-    with _lab(asked, target, model, session) as lab:
+    with _lab(asked, target, session) as lab:
         plan = Plan(
             target=target,
             contests=tuple(c for c in contests if widths[c.call]),
@@ -218,30 +215,29 @@ def _contests(
     both = asked.steps is None and asked.max_error is None
     budget = asked.max_error if asked.max_error is not None else max_error
     plan_for(budget)
-    goals: list[tuple[int | None, float | None]] = []
+    goals = []
     if both or asked.max_error is not None:
-        goals.append((None, budget))
+        goals.append(Goal(budget=budget))
     if both or asked.steps is not None:
-        goals.append((asked.steps if asked.steps is not None else STEPS, None))
+        goals.append(Goal(steps=asked.steps if asked.steps is not None else STEPS))
     return tuple(
-        Contest(target.name, asked.scene, model, *goal, call)
-        for call in ("scalar", "batch")
+        Contest(asked.impact, target.name, asked.scene, model, goal, call)
+        for call in CALLS
         if asked.call in (None, call)
         for goal in goals
     )
 
 
 @contextmanager
-def _lab(asked: SweepRequest, target: Target, model: str, session: Session) -> Iterator[Lab]:
+def _lab(asked: SweepRequest, target: Target, session: Session) -> Iterator[Lab]:
     with session.without_steps().workbench() as bench:
-        station = Station(bench, asked.scene, model)
         if asked.scheduler is None:
-            yield LocalLab(station, target)
+            yield Lab(bench, target)
             return
         with connected(asked.scheduler) as client:
             from ..sweep.cluster import ClusterLab
 
-            lab = ClusterLab(client, station, target, asked.wait)
+            lab = ClusterLab(client, bench, target, asked.wait)
             yield lab
             for why in lab.refused.values():
                 session.listener.note(f"not used: {why}")

@@ -1,152 +1,143 @@
-"""The choice: the fastest of what passed; ties go to the fewest options away from the default."""
+"""The choice of a contest: by time, else by records of such a CPU, else by llvm-mca."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from ..errors import KernelError
-from ..evidence.records.evidence import NEGLIGIBLE, WON, told
-from ..evidence.timing.ratios import TimingRun, fastest, ties
-from ..evidence.verification.verdict import Verdict
+from ..evidence.records.evidence import Found, told
+from ..evidence.timing.ratios import Interval
+from ..evidence.timing.rounds import Rounds
 from ..registry.variant import Variant
 from ..targets.host import Host
 from ..targets.target import Target
+from .kernel import Estimated, Rejected, Timed, Verified
 from .model_error import MODEL_ERROR, model_band
-from .selection import ChosenBy, Selected
-from .workbench import Candidate
+from .selection import ChosenBy
+from .ties import Standing, pick
+from .timing import standings_of
 
 MODEL_BAND = 0.005  # modelled cycles that differ by less count as a tie where no recipe has won
+Stage = TypeVar("Stage", bound=Verified)
 
 
 @dataclass(frozen=True)
 class Choice:
     """The kernel that was chosen, those that tie with it, and on what grounds."""
 
-    chosen: Candidate
+    chosen: Verified
     ties: tuple[str, ...]
     by: ChosenBy
     measured_on: str
     evidence: str  # for readers: which CPU, when, how many; or which model
+    ratio: float | None = None  # of time, or of modelled cycles, to the baseline's
+    ratio_ci: Interval | None = None
     sought: str | None = None  # what a search for errors found of it; None: not searched
 
 
-def _preferred(tied: Sequence[Candidate]) -> Candidate:
-    """The first listed of those with the fewest options away from the default."""
-    return min(tied, key=lambda c: c.variant.distance_from_default())
-
-
-def eligible(candidates: Sequence[Candidate]) -> list[Candidate]:
+def eligible(kernels: Sequence[Stage | Rejected]) -> list[Stage]:
     """Verified kernels that round as they are written: -Ofast is for the report's rows alone."""
-    found = [
-        c
-        for c in candidates
-        if not c.rejected
-        and c.verdict is not None
-        and c.verdict.passed
-        and c.variant.rounds_as_written
-    ]
+    passed = [k for k in kernels if not isinstance(k, Rejected)]
+    found = [k for k in passed if k.variant.rounds_as_written]
     if not found:
-        reasons = "; ".join(sorted({c.rejected for c in candidates if c.rejected})[:3])
+        reasons = "; ".join(sorted({k.text for k in kernels if isinstance(k, Rejected)})[:3])
         raise KernelError(f"no candidate passed verification: {reasons or 'none was built'}")
     return found
 
 
-def choose_by_time(candidates: Sequence[Candidate], run: TimingRun, host: Host) -> Choice:
+def choose_by_time(kernels: Sequence[Verified | Rejected], rounds: Rounds, host: Host) -> Choice:
     """Where the target is this host's CPU."""
-    timed = {c.name: c for c in eligible(candidates) if c.timing is not None}
-    best = fastest(run, timed)
-    tied = ties(run, best, timed)
-    chosen, name = _preferred([timed[name] for name in tied]), host.target.name
-    evidence = f"timed on {host.cpu} ({name}), {run.day}, {len(timed)} kernels"
-    return Choice(chosen, tied, "timing", name, evidence)
+    timed = [k for k in eligible(kernels) if isinstance(k, Timed)]
+    _, standings = standings_of(rounds, timed)
+    chosen, cpu = _of(timed, pick(standings)), host.target.name
+    return Choice(
+        chosen=chosen,
+        ties=tuple(s.name for s in standings if s.ties),
+        by="timing",
+        measured_on=cpu,
+        evidence=f"timed on {host.cpu} ({cpu}), {rounds.whole.day}, {len(timed)} kernels",
+        ratio=round(chosen.timing.ratio, 4),
+        ratio_ci=(round(chosen.timing.ratio_ci[0], 4), round(chosen.timing.ratio_ci[1], 4)),
+    )
 
 
 def choose_by_model(
-    candidates: Sequence[Candidate], cpu: str, wins: Callable[[Variant], int] = lambda _: 0
+    kernels: Sequence[Estimated | Rejected],
+    cpu: str,
+    wins: Callable[[Variant], int] = lambda _: 0,
+    baseline: float | None = None,
 ) -> Choice:
     """Where it is not: by the cycles of a collision that llvm-mca replays.
 
     Of those it cannot tell apart the one whose recipe has won on the most CPUs that were timed;
-    the fastest where none has.
+    the fastest where none has. `baseline`: its cycles.
     """
-    modelled = [c for c in eligible(candidates) if c.modelled is not None]
-    if not modelled:
+    cycles = _cycles(eligible(kernels))
+    if not cycles:
         raise KernelError("llvm-mca gave no figure for any candidate")
-    least = min(_cycles(c) for c in modelled)
-    near = [c for c in modelled if _cycles(c) <= least * (1 + model_band(c.variant))]
-    most = max(wins(c.variant) for c in near)
-    tied = near if most else [c for c in near if _cycles(c) <= least * (1 + MODEL_BAND)]
-    chosen = _preferred([c for c in tied if wins(c.variant) == most])
-    evidence = f"modelled by llvm-mca for {cpu}, {len(modelled)} kernels"
-    return Choice(chosen, tuple(c.name for c in tied), "llvm-mca", cpu, evidence)
+    least = min(cycles.values())
+    near = [v for v in cycles if cycles[v] <= least * (1 + model_band(v))]
+    most = max(wins(v) for v in near)
+    tied = near if most else [v for v in near if cycles[v] <= least * (1 + MODEL_BAND)]
+    among = [Standing(v, cycles[v] / least, apart=False) for v in tied if wins(v) == most]
+    chosen = pick(among, limit=float("inf"))
+    evidence = f"modelled by llvm-mca for {cpu}, {len(cycles)} kernels"
+    names = tuple(Standing(v, cycles[v] / least).name for v in tied)
+    return _modelled(_of(eligible(kernels), chosen), names, cpu, evidence, baseline)
 
 
-def choose_by_records(candidates: Sequence[Candidate], target: Target) -> Choice:
+def choose_by_records(
+    kernels: Sequence[Estimated | Rejected], target: Target, baseline: float | None = None
+) -> Choice:
     """Where the target's CPU was timed elsewhere: records compete among themselves.
 
     A kernel that nobody timed takes their winner's place where the model says that it is faster by
-    more than the model errs.
+    more than the model errs. `baseline`: its modelled cycles.
     """
-    found = eligible(candidates)
-    timed = [c for c in found if c.recorded is not None]
-    least = min(_recorded(c) for c in timed)
-    tied = [c for c in timed if _recorded(c) <= least * WON]
-    chosen = _preferred([c for c in tied if _recorded(c) <= least * NEGLIGIBLE])
-    rest = [c for c in found if c.recorded is None and c.modelled is not None]
-    evidence = told([c.recorded for c in timed if c.recorded is not None], len(rest))
-    if chosen.modelled is not None:
-        limit = _cycles(chosen) / MODEL_ERROR
-        better = [c for c in rest if _cycles(c) < limit]
-        if better:
-            chosen = min(better, key=_cycles)
+    found = eligible(kernels)
+    records = {k.variant: k.record for k in found if k.record is not None}
+    least = min(each.record.ratio for each in records.values())
+    standings = [Standing(v, each.record.ratio / least) for v, each in records.items()]
+    winner = pick(standings)
+    cycles = _cycles(found)
+    rest = {v: n for v, n in cycles.items() if v not in records}
+    evidence = told(list(records.values()), len(rest))
+    if winner in cycles and rest:
+        best = min(rest, key=lambda v: rest[v])
+        if rest[best] < cycles[winner] / MODEL_ERROR:
             evidence += ", one of which by so much that it is chosen"
-            return Choice(chosen, (chosen.name,), "llvm-mca", target.row.mca_cpu, evidence)
-    return Choice(chosen, tuple(c.name for c in tied), "records", target.name, evidence)
-
-
-def found_errors(verdict: Verdict) -> dict[str, float | None]:
-    """The errors of an entry: the largest found, and that under the worst root estimates."""
-    worst = verdict.worst_estimate_error
-    return {
-        "max_rel_error": float(f"{verdict.largest_error:.3g}"),
-        "worst_estimate_error": None if worst is None else float(f"{worst:.3g}"),
-    }
-
-
-def _cycles(candidate: Candidate) -> float:
-    assert candidate.modelled is not None
-    return candidate.modelled.cycles
-
-
-def _recorded(candidate: Candidate) -> float:
-    assert candidate.recorded is not None
-    return candidate.recorded.record.ratio
-
-
-def selected(choice: Choice, baseline: Candidate) -> Selected:
-    """The choice as an entry of selection.json."""
-    chosen, variant = choice.chosen, choice.chosen.variant
-    ratio, interval = None, None
-    if choice.by == "timing" and chosen.timing is not None:
-        ratio = round(chosen.timing.ratio, 4)
-        low, high = chosen.timing.ratio_ci
-        interval = (round(low, 4), round(high, 4))
-    elif choice.by == "records" and (found := chosen.recorded) is not None and not found.contest:
-        ratio, interval = found.record.ratio, found.record.ratio_ci
-    elif choice.by == "llvm-mca" and baseline.modelled is not None:
-        ratio = round(_cycles(chosen) / _cycles(baseline), 4)
-    assert chosen.verdict is not None
-    return Selected(
-        question=str(variant.question),
-        recipe=str(variant.recipe),
-        chosen_by=choice.by,
-        measured_on=choice.measured_on,
-        evidence=choice.evidence,
-        ratio_to_baseline=ratio,
-        ratio_ci=interval,
-        **found_errors(chosen.verdict),
-        search=choice.sought or "",
-        error_against="euler" if variant.stepper.family == "fixed" else "exact",
-        ties=sorted(name for name in choice.ties if name != chosen.name),
+            better = _of(found, best)
+            return _modelled(better, (better.name,), target.row.mca_cpu, evidence, baseline)
+    ratio = _ratio_of(records[winner])
+    return Choice(
+        chosen=_of(found, winner),
+        ties=tuple(s.name for s in standings if s.ties),
+        by="records",
+        measured_on=target.name,
+        evidence=evidence,
+        ratio=ratio[0] if ratio else None,
+        ratio_ci=ratio[1] if ratio else None,
     )
+
+
+def _ratio_of(found: Found) -> tuple[float, Interval] | None:
+    """None where the record is of another contest."""
+    return None if found.contest else (found.record.ratio, found.record.ratio_ci)
+
+
+def _modelled(
+    chosen: Estimated, tied: tuple[str, ...], cpu: str, evidence: str, baseline: float | None
+) -> Choice:
+    own = chosen.model.cycles if chosen.model else None
+    ratio = round(own / baseline, 4) if own and baseline else None
+    return Choice(chosen, tied, "llvm-mca", cpu, evidence, ratio)
+
+
+def _cycles(kernels: Sequence[Estimated]) -> dict[Variant, float]:
+    return {k.variant: k.model.cycles for k in kernels if k.model is not None}
+
+
+def _of(kernels: Iterable[Stage], variant: Variant) -> Stage:
+    return next(kernel for kernel in kernels if kernel.variant == variant)

@@ -8,26 +8,26 @@ around the loop counts.
 
 from __future__ import annotations
 
-import os
 import tempfile
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from ..errors import KernelError
+from ..evidence.records.code import key_of
 from ..evidence.verification.errors import Array
 from ..lowering.lanes import lane_context
 from ..registry.lane_numbers import precision_of
+from ..registry.question import Contest
 from ..registry.variant import Variant
-from ..targets.target import Target
+from ..targets.target import Target, find_target
 from ..toolchain.build import build
 from ..toolchain.mca import McaReport, analyse, assembly_of, require_mca
 from ..toolchain.replay import REPLAYED, Modelled, replayed_cycles
 from ..toolchain.traces import TracedKernel, traced
-from .store import key_of
-from .workbench import Candidate, Workbench
+from .kernel import Emitted, Rejected
+from .workbench import Workbench
 
 # Of the mixed set that kernels are timed on. All their steps are recorded: with fewer, longer steps
 # other checks fail.
@@ -37,27 +37,23 @@ FIXED_CASES_IN_LANES = 64
 
 
 def model_all(
-    bench: Workbench, candidates: Sequence[Candidate], target: Target, cases: Array
-) -> None:
-    """Cycles of each candidate on the target; what cannot be modelled is rejected.
+    bench: Workbench, contest: Contest, kernels: Sequence[Emitted]
+) -> dict[str, Modelled | KernelError]:
+    """Cycles of each kernel on the contest's target by its name, or why they are not known."""
+    target = find_target(contest.target)
 
-    `cases`: those that kernels are timed on, of the candidates' scene.
-    """
-    alive = [c for c in candidates if not c.rejected]
-
-    def model_one(candidate: Candidate) -> None:
+    def model_one(kernel: Emitted) -> Modelled | KernelError:
+        cases = bench.cases.timed(contest.scene, contest.model, contest.batches)
         try:
-            candidate.modelled = modelled(bench, candidate, target, cases)
+            return modelled(bench, kernel, target, cases)
         except KernelError as error:
-            candidate.rejected = f"llvm-mca: {error}"
+            return error
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for index, _ in enumerate(pool.map(model_one, alive)):
-            bench.progress(f"modelling on {target.row.mca_cpu} (llvm-mca)", index, len(alive))
-    bench.progress("modelling", len(alive), len(alive))
+    found = bench.each(f"modelling on {target.row.mca_cpu} (llvm-mca)", model_one, kernels)
+    return {k.name: m for k, m in zip(kernels, found, strict=True) if not isinstance(m, Rejected)}
 
 
-def modelled(bench: Workbench, candidate: Candidate, target: Target, cases: Array) -> Modelled:
+def modelled(bench: Workbench, candidate: Emitted, target: Target, cases: Array) -> Modelled:
     """The mean over the first cases, from the store or made now. Raises KernelError."""
     kernel = {k: v for k, v in candidate.sources.items() if k != "probe.cpp"}
     probe = {"probe.cpp": candidate.sources["probe.cpp"]}
@@ -118,7 +114,7 @@ def replayed(
 
 
 def loop_report(
-    bench: Workbench, candidate: Candidate, target: Target, region: str = ""
+    bench: Workbench, candidate: Emitted, target: Target, region: str = ""
 ) -> McaReport:
     """What llvm-mca says of one pass of the loop, over all lanes in flight. Raises KernelError.
 
@@ -138,7 +134,7 @@ def loop_report(
     return McaReport(**{**kept, "path_cycles": tuple(kept["path_cycles"])})
 
 
-def frame_bound(bench: Workbench, candidate: Candidate, target: Target) -> float:
+def frame_bound(bench: Workbench, candidate: Emitted, target: Target) -> float:
     """Cycles that reading, checking and writing a collision needs at least, in an exact batch.
 
     Raises KernelError.

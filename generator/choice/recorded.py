@@ -2,82 +2,81 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-from ..evidence.records.code import compiled_hash, source_hash
+from ..errors import KernelError
 from ..evidence.records.record import Basis
-from ..registry.names import name_of
 from ..registry.question import Contest
-from ..registry.rules import broken_rule
-from ..registry.variant import Variant
-from ..targets.target import Target
+from ..targets.target import find_target
+from ..toolchain.replay import Modelled
 from .choose import Choice, choose_by_model, choose_by_records, eligible
-from .store import key_of
-from .workbench import Candidate, Workbench
+from .kernel import Estimated, Rejected, Verified
+from .modelling import model_all
+from .workbench import Workbench
 
-MORE = 6  # of the fastest recorded recipes that are candidates, too
-
-Model = Callable[[Sequence[Candidate]], None]
-
-
-def with_recorded(
-    bench: Workbench, known: Sequence[Variant], target: Target, contest: Contest
-) -> list[Variant]:
-    """Candidates, and kernels of the recipes that were fastest on that CPU, each once."""
-    fastest = bench.timings.fastest(contest, target.name, MORE)
-    return legal_here(bench, [*known, *fastest], target)
-
-
-def legal_here(bench: Workbench, variants: Sequence[Variant], target: Target) -> list[Variant]:
-    """Each once, by the compilers that are here, without those that break a rule."""
-    there = [v for v in variants if v["compiler"] in bench.compilers]
-    return list({name_of(v): v for v in there if broken_rule(v, target) is None}.values())
-
-
-def note_records(
-    bench: Workbench,
-    candidates: Sequence[Candidate],
-    baseline: Candidate,
-    target: Target,
-) -> None:
-    """Give each candidate the record that tells most of it, if that CPU ever timed it."""
-    if not bench.timings.contests(target.name):
-        return
-    variant = candidates[-1].variant
-    batch = variant.width > 1
-    cases = (bench.batch_cases if batch else bench.timing_cases)(variant.scene, variant.model)
-    first = compiled_hash(baseline.source, baseline.compiler.version, baseline.flags)
-    for c in candidates:
-        now = Basis(
-            source=source_hash(c.source),
-            compiler=c.compiler.version,
-            flags=" ".join(c.flags),
-            cases=key_of(cases, cases.shape[1]),
-            bench=bench.tool.executable.name,
-            baseline=first,
-        )
-        c.recorded = bench.timings.find(target.name, c.variant, now)
+Weighed = list[Estimated | Rejected]
 
 
 def choose_elsewhere(
-    bench: Workbench,
-    candidates: Sequence[Candidate],
-    baseline: Candidate,
-    target: Target,
-    model: Model,
-) -> Choice:
-    """By the records of the target; `model` gives llvm-mca's cycles to those without any.
+    bench: Workbench, contest: Contest, kernels: Sequence[Verified | Rejected], among: int
+) -> tuple[Weighed, Choice]:
+    """The kernels with what is known of their times, and the choice from number `among` on.
 
-    The baseline and the kernel that the records choose are modelled beside these, to compare.
+    llvm-mca's cycles are for those without a record. The baseline, which is the first, and the
+    kernel that the records choose are modelled beside these, to compare.
     """
-    note_records(bench, candidates, baseline, target)
-    fit = eligible(candidates)
-    without = [c for c in fit if c.recorded is None]
-    if len(without) == len(fit):
-        model([baseline, *(c for c in candidates if c is not baseline)])
-        return choose_by_model(candidates, target.row.mca_cpu, lambda v: bench.timings.wins(v))
-    if without:
+    target = find_target(contest.target)
+    known = noted(bench, contest, kernels)
+    fit = eligible(known[among:])
+    without: list[Estimated] = [k for k in fit if k.record is None]
+    none = len(without) == len(fit)
+    asked = [k for k in known[:1] if without and isinstance(k, Estimated)]
+    if none:
+        asked += [k for k in known[among:] if isinstance(k, Estimated)]
+    elif without:
         winner = choose_by_records(fit, target).chosen
-        model([baseline, winner, *without])
-        winner.rejected = ""  # a kernel that was timed needs no model
-    return choose_by_records(fit, target)
+        asked += [k for k in fit if k.record is None or k.name == winner.name]
+    unique = list({k.name: k for k in asked}.values())
+    models = model_all(bench, contest, unique)
+    weighed = [k if isinstance(k, Rejected) else _with_model(k, models.get(k.name)) for k in known]
+    own = models.get(known[0].name)
+    cycles = own.cycles if isinstance(own, Modelled) else None
+    if none:
+        wins, cpu = bench.timings.wins, target.row.mca_cpu
+        by = choose_by_model(weighed[among:], cpu, wins, cycles)
+        return weighed, by
+    return weighed, choose_by_records(weighed[among:], target, cycles)
+
+
+def _with_model(kernel: Estimated, model: Modelled | KernelError | None) -> Estimated | Rejected:
+    """A kernel that was timed needs no model."""
+    if not isinstance(model, KernelError):
+        return kernel.estimated(kernel.record, model)
+    if kernel.record is None:
+        return Rejected(kernel, "model", f"llvm-mca: {model}")
+    return kernel
+
+
+def noted(bench: Workbench, contest: Contest, kernels: Sequence[Verified | Rejected]) -> Weighed:
+    """Each kernel with the record that tells most of it, if that CPU ever timed it."""
+    timed = bool(bench.timings.contests(contest.target))
+    rules = bench.rules(contest, contest.target)
+    weighed: Weighed = []
+    for kernel in kernels:
+        if isinstance(kernel, Rejected):
+            weighed.append(kernel)
+            continue
+        found = None
+        if timed:
+            code = kernel.code
+            now = Basis(
+                source=code.source,
+                compiler=code.compiler,
+                flags=" ".join(code.flags),
+                cases=rules.timed,
+                bench=rules.bench,
+                baseline=kernels[0].emitted.code.hash,
+            )
+            found = bench.timings.find(contest.target, kernel.variant, now)
+        weighed.append(kernel.estimated(found, None))
+    return weighed

@@ -19,12 +19,16 @@ from ..evidence.challenge.search import (
     errors_confirmed,
     search,
 )
+from ..evidence.records.code import key_of
 from ..evidence.verification.errors import Array
 from ..impacts.ball_ball.scene import find_scene
 from .choose import Choice
-from .store import key_of
-from .verifying import Expected
-from .workbench import Candidate, Workbench
+from .kernel import Rejected, Verified
+from .workbench import Workbench
+
+# The kernels of a contest, each as far as it came; and how one of them is chosen.
+Entries = Sequence[Verified | Rejected]
+Choose = Callable[[Entries], tuple[Entries, Choice]]
 
 EVALUATIONS = 20_000  # a second or two of an idle machine's two cores
 SEED = 2014
@@ -48,10 +52,8 @@ class Sought:
         return f"{verdict}{largest}, {self.evaluations} evaluations, seed {self.seed}"
 
 
-def choose_sought(
-    bench: Workbench, expected: Expected | None, choose: Callable[[], Choice]
-) -> Choice:
-    """The first choice that holds `expected` under the worst root estimates, and a short search.
+def choose_sought(bench: Workbench, kernels: Entries, choose: Choose) -> tuple[Entries, Choice]:
+    """The first choice that holds under the worst root estimates, and a short search.
 
     What does not is rejected and the next is chosen, which meets the case that the search found
     first. Where the search finds `TRIES` kernels over, or no other is left, the first choice
@@ -59,47 +61,51 @@ def choose_sought(
     """
     first: Choice | None = None
     known: list[Array] = []
+    left = kernels
     for _ in range(TRIES):
         try:
-            choice = _held_at_worst(bench, expected, choose)
+            left, choice = _held_at_worst(bench, left, choose)
         except KernelError:
             if first is None:
                 raise
             break
         found = sought(bench, choice.chosen, known)
         if found is None:
-            return choice
+            return left, choice
         case = "" if found.held else f"; case {found.case}"
         choice = replace(choice, sought=found.told() + case)
         if found.held:
-            return choice
+            return left, choice
         first = first or choice
         known.append(np.array(found.case.split(",")[2:], dtype=np.float64))
-        choice.chosen.rejected = f"search: {found.told()}"
-    assert first is not None
-    first.chosen.rejected = ""
-    return first
+        left = _with(left, Rejected(choice.chosen, "search", f"search: {found.told()}"))
+    if first is None:
+        raise KernelError("no kernel was searched")
+    return _with(left, first.chosen), first
 
 
-def _held_at_worst(
-    bench: Workbench, expected: Expected | None, choose: Callable[[], Choice]
-) -> Choice:
+def _held_at_worst(bench: Workbench, kernels: Entries, choose: Choose) -> tuple[Entries, Choice]:
     """The first choice that holds under the worst root estimates. KernelError where none does."""
     while True:
-        choice = choose()
-        if expected is not None:
-            bench.verify_at_worst([choice.chosen], expected)
-        if not choice.chosen.rejected:
-            return choice
+        kernels, choice = choose(kernels)
+        held = bench.verifier.verify_at_worst(choice.chosen)
+        kernels = _with(kernels, held)
+        if not isinstance(held, Rejected):
+            return kernels, replace(choice, chosen=held)
 
 
-def sought(bench: Workbench, candidate: Candidate, known: Sequence[Array]) -> Sought | None:
+def _with(kernels: Entries, one: Verified | Rejected) -> Entries:
+    """A kernel in the place of what it was before."""
+    return [one if kernel.name == one.name else kernel for kernel in kernels]
+
+
+def sought(bench: Workbench, candidate: Verified, known: Sequence[Array]) -> Sought | None:
     """What `known` cases show, else what a short search finds, which is kept.
 
     None where the kernel has no budget or cannot run here.
     """
     budget = candidate.variant.stepper.budget
-    if budget is None or candidate.library is None or candidate.verdict is None or bench.emulated:
+    if budget is None or bench.emulated:
         return None
     variant = candidate.variant
     within = envelope(find_scene(variant.scene), variant.model, "scene")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -15,21 +15,13 @@ from ..evidence.verification.errors import Array
 from ..files import write_file
 
 
-def key_of(*parts: object) -> str:
-    """A short hash of plain values and arrays."""
-    digest = hashlib.sha256()
-    for part in parts:
-        raw = part.tobytes() if isinstance(part, np.ndarray) else json.dumps(part).encode()
-        digest.update(len(raw).to_bytes(8, "little") + raw)
-    return digest.hexdigest()[:32]
-
-
 @dataclass
 class Store:
     """A folder of JSON documents by kind and key. `fresh`: everything is made anew, and kept."""
 
     folder: Path
     fresh: bool = False
+    _lock: Lock = field(default_factory=Lock)
     made: dict[str, int] = field(default_factory=dict)
     reused: dict[str, int] = field(default_factory=dict)
 
@@ -51,7 +43,8 @@ class Store:
 
     def count(self, kind: str, reused: bool) -> None:
         counts = self.reused if reused else self.made
-        counts[kind] = counts.get(kind, 0) + 1
+        with self._lock:
+            counts[kind] = counts.get(kind, 0) + 1
 
     def kept_array(self, kind: str, key: str, columns: int, make: Callable[[], Array]) -> Array:
         """As `kept`, for a table of numbers; NaN and infinity are kept too."""

@@ -93,7 +93,7 @@ def worst_verdict(
     held: list[Verdict] = []
     for pattern in PATTERNS:
         both = verdicts(under(pattern.environment()), variant, expected)
-        for verdict in (verdict_of(v) for v in both.values() if v is not None):
+        for verdict in (verdict_from(v) for v in both.values() if v is not None):
             if not verdict.passed:
                 reason = f"with root estimates {pattern.name}: {verdict.reason}"
                 return asdict(replace(verdict, reason=reason))
@@ -113,5 +113,5 @@ def _ended(error: KernelError) -> Literal["", "crash", "timeout"]:
     return "crash" if isinstance(error, KernelCrash) else ""
 
 
-def verdict_of(document: dict[str, Any]) -> Verdict:
+def verdict_from(document: dict[str, Any]) -> Verdict:
     return Verdict(**{**document, "flips": tuple(document["flips"])})

@@ -12,7 +12,7 @@ from .. import api
 from .show import session, show, three_digits
 
 if TYPE_CHECKING:
-    from ..api.generation import Contest, Generated, Row
+    from ..api.generation import Decision, Generated, Row
 
 LINES, COLUMNS = 40, 80  # of the summary
 _ROWS = 12  # of the front
@@ -28,7 +28,7 @@ def show_generated(everything: bool, **asked: Any) -> None:
         made = api.generate(request, told)
     click.echo("\n".join(summary(made)))
     if everything:
-        for contest in made.contests:
+        for contest in made.decisions:
             _show_all(made, contest)
 
 
@@ -55,14 +55,14 @@ def summary(made: Generated) -> list[str]:
 def _chosen(made: Generated, recipes: bool) -> list[str]:
     lines = [*_head(made)]
     for fixed in (True, False):
-        own = [c for c in made.contests if c.fixed is fixed]
+        own = [c for c in made.decisions if c.fixed is fixed]
         own.sort(key=lambda c: c.entry.width > 1)  # models side by side, which often agree
         lines += _choices(own, fixed, recipes)
     return lines
 
 
 def _head(made: Generated) -> Iterator[str]:
-    yield from _wrapped(f"scene {made.scene}; {made.contests[0].choice.evidence}", "")
+    yield from _wrapped(f"scene {made.scene}; {made.decisions[0].choice.evidence}", "")
     if made.emulator:
         yield from _wrapped(
             f"{made.target.name} is of another architecture: run under {made.emulator}, and no "
@@ -72,7 +72,7 @@ def _head(made: Generated) -> Iterator[str]:
     yield from _wrapped(f"written: {made.folder}/selection.json, carom.h, and these kernels", "")
 
 
-def _choices(contests: Sequence[Contest], fixed: bool, recipes: bool) -> Iterator[str]:
+def _choices(contests: Sequence[Decision], fixed: bool, recipes: bool) -> Iterator[str]:
     """A line of figures for each contest; kernels side by side that share a recipe name it once."""
     if not contests:
         return
@@ -98,10 +98,10 @@ def _choices(contests: Sequence[Contest], fixed: bool, recipes: bool) -> Iterato
             yield from _wrapped(f"search for errors: {entry.search.split('; case')[0]}", _INDENT)
 
 
-def _front(made: Generated, fixed: bool) -> Iterator[tuple[Contest, Row]]:
+def _front(made: Generated, fixed: bool) -> Iterator[tuple[Decision, Row]]:
     """The rows of each contest that no other beats in both, in turn until there are enough."""
-    contests = [c for c in made.contests if c.fixed is fixed]
-    share = max(1, _ROWS // max(1, len(made.contests)))
+    contests = [c for c in made.decisions if c.fixed is fixed]
+    share = max(1, _ROWS // max(1, len(made.decisions)))
     for contest in contests:
         for row in contest.front()[:share]:
             yield contest, row
@@ -121,13 +121,12 @@ def _wrapped(text: str, indent: str, first: str | None = None) -> list[str]:
     )
 
 
-def _show_all(made: Generated, contest: Contest) -> None:
+def _show_all(made: Generated, contest: Decision) -> None:
     against = "the same scheme" if contest.fixed else "the exact solution"
     title = f"\n{contest.title}: errors against {against}, over |v1 - v2|"
     show({title: [_row(row) for row in contest.rows()]}, False)
-    for c in contest.candidates:
-        if c.rejected:
-            click.echo(f"rejected {c.name}: {c.rejected}")
+    for name, why in contest.rejected.items():
+        click.echo(f"rejected {name}: {why}")
     for line in _footnotes(made, contest):
         click.echo(line)
 
@@ -146,7 +145,7 @@ def _row(row: Row) -> dict[str, object]:
     }
 
 
-def _footnotes(made: Generated, contest: Contest) -> Iterator[str]:
+def _footnotes(made: Generated, contest: Decision) -> Iterator[str]:
     choice, chosen = contest.choice, contest.choice.chosen
     for verdict, head in ((chosen.verdict, ""), (chosen.pooltool, "against pooltool's figures: ")):
         if verdict is not None:
@@ -157,7 +156,7 @@ def _footnotes(made: Generated, contest: Contest) -> Iterator[str]:
             f"scene {made.scene} has no fixed-step kernels: paper-initial is that of scene "
             f"{contest.baseline.variant.scene}"
         )
-    if (model := chosen.modelled) is not None:
+    if (model := contest.model) is not None:
         yield (
             f"cycles: of {model.cases} cases' instructions, executed on {made.host.target.name} "
             f"and replayed by llvm-mca for {model.cpu}: a model's figure, not a time"
@@ -165,8 +164,7 @@ def _footnotes(made: Generated, contest: Contest) -> Iterator[str]:
     yield f"grounds: {choice.evidence}"
     if choice.sought is not None:
         yield f"search for errors: {choice.sought} (gen challenge searches longer)"
-    notes = {f"{c.compiler.code}: {c.march_note}" for c in contest.candidates if c.march_note}
-    yield from sorted(notes)
+    yield from contest.compiler_notes
     if made.reused:
         yield f"reused from earlier runs: {made.reused} (--fresh verifies and times anew)"
     yield f"chosen: {chosen.name}; ties with it: {len(choice.ties) - 1}"

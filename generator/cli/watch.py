@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from ..api.session import Session
     from ..api.sweeping import Swept
+    from ..choice.trials import Final, Finalist
     from ..sweep.explore import Observer, Progress
-    from ..sweep.record import Final, Finalist
     from ..sweep.sweep import Outcome
 
 _QUIET_SECONDS = 30.0  # between two lines where nobody watches
@@ -44,8 +44,8 @@ class SweepDisplay:
 
     def rows(self, progress: Progress) -> list[tuple[str, str]]:
         """Titles and texts."""
-        if progress.contest.name != self._contest:
-            self._before, self._contest = self.done, progress.contest.name
+        if str(progress.contest) != self._contest:
+            self._before, self._contest = self.done, str(progress.contest)
         self.done = self._before + progress.tried
         best = "none yet"
         if progress.best_ratio is not None:
@@ -124,7 +124,7 @@ def say_outcomes(swept: Swept) -> None:
         counts = ", ".join(f"{n} {why}" for why, n in sorted(exploration.rejected.items()))
         end = "nothing near the best is left" if exploration.complete else "the budget was used up"
         click.echo(
-            f"\n{exploration.contest.name}: {len(exploration.entries)} variants, "
+            f"\n{exploration.contest}: {len(exploration.entries)} variants, "
             f"{exploration.tried} of them tried now; {end}; rejected: {counts or 'none'}"
         )
         if final is None:
@@ -144,7 +144,7 @@ def say_best(outcomes: Sequence[Outcome]) -> None:
     for outcome in outcomes:
         final = outcome.final
         best = f"{final.fastest} is the fastest" if final else "no kernel was timed to the end"
-        click.echo(f"{outcome.exploration.contest.name}: {best}")
+        click.echo(f"{outcome.exploration.contest}: {best}")
 
 
 def say_stopped(store: Path) -> None:
@@ -158,11 +158,9 @@ def say_stopped(store: Path) -> None:
 
 def say_final(final: Final) -> None:
     """The finalists that tie with the fastest or lie near it, the choice marked."""
-    from ..sweep.finals import row_of
-
     ties = final.ties
     shown = [r for i, r in enumerate(final.finalists) if i < 5 or r.subject.name in ties]
-    chosen = row_of(final, final.chosen)
+    chosen = final.row(final.chosen)
     if chosen not in shown:
         shown.append(chosen)
     low, high = final.control

@@ -10,7 +10,7 @@ is its question.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from ..errors import InputError
@@ -20,6 +20,7 @@ from ..targets.target import target_or_port
 
 Family = Literal["fixed", "exact"]  # fixed steps, or as many as an error budget asks for
 Call = Literal["scalar", "batch"]
+CALLS: tuple[Call, ...] = ("scalar", "batch")
 
 DEFAULT_IMPACT = impacts.DEFAULT
 EXPECTED = "IMPACT/TARGET/SCENE/MODEL-GOAL-WIDTH, as ball-ball/zen3/any/pooltool-e1m06-x1"
@@ -57,16 +58,30 @@ class Width:
 
 @dataclass(frozen=True)
 class Contest:
-    """What kernels that are compared share, on whatever CPU: the question but target and width."""
+    """What kernels that are compared share: the question without the number of lanes.
+
+    `target`: empty in records, which are compared whatever CPU they are of.
+    """
 
     impact: str
+    target: str
     scene: str
     model: str
     goal: Goal
     call: Call
 
     def __str__(self) -> str:
-        return f"{self.impact}/{self.scene}/{self.model}-{self.goal}-{self.call}"
+        fields = (self.impact, self.target, self.scene, f"{self.model}-{self.goal}-{self.call}")
+        return "/".join(filter(None, fields))
+
+    @property
+    def batches(self) -> bool:
+        return self.call == "batch"
+
+    @property
+    def everywhere(self) -> Contest:
+        """The same on whatever CPU."""
+        return replace(self, target="")
 
 
 @dataclass(frozen=True)
@@ -105,7 +120,7 @@ class Question:
     @property
     def contest(self) -> Contest:
         call: Call = "batch" if self.width.lanes > 1 else "scalar"
-        return Contest(self.impact, self.scene, self.model, self.goal, call)
+        return Contest(self.impact, self.target, self.scene, self.model, self.goal, call)
 
     def checked(self) -> Question:
         """Itself. Raises InputError where impact, target, scene or model is none that there is."""

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..choice.trials import Final, Times, Trial
 from ..evidence.timing.ratios import Interval
-from ..sweep.record import Final, Times, Trial
 
 MORE_EXACT = 0.99  # a front goes on where an error is less by 1 %: last digits are not exactness
 EXACT, SCHEME = "the exact result", "the same scheme in long double"

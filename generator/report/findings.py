@@ -14,9 +14,9 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from ..errors import InputError
+from ..evidence.records.code import SHAPING, hash_of_rooms
 from ..evidence.timing.ratios import Interval, TimingResult
 from ..files import write_file
-from ..sweep.sources import SHAPING, hash_of_rooms
 
 SCHEMA: Literal[3] = 3
 # What kernels, verdicts and counts follow from.

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+from ..choice.trials import Final, Run, Trial
 from ..evidence.records.evidence import Timings
-from ..sweep.record import Final, Run, Trial
 from ..sweep.store import read_only
 from .contests import Contest, contests_of
 from .findings import Findings, KernelFindings

@@ -15,14 +15,12 @@ from typing import Any
 from distributed import Client, Future, wait
 from distributed.scheduler import KilledWorker
 
-from ..choice.workbench import Candidate
+from ..choice.kernel import Emitted, Rejected, Verified
+from ..choice.workbench import TimingJob, Workbench
 from ..errors import InputError, KernelError
 from ..targets.target import Target
-from .lab import StationLab
-from .record import Rejection
-from .station import Station, TimingJob
+from .lab import Lab
 from .worker import (
-    Built,
     Identity,
     Impostor,
     Task,
@@ -37,7 +35,7 @@ _POLL = 0.5  # seconds between two looks at which workers there are
 _FETCH = 10.0  # seconds to get the result of a job that is done
 
 
-class ClusterLab(StationLab):
+class ClusterLab(Lab):
     """Workers of a cluster that are the target's CPU and have the same sources as this clone.
 
     Raises InputError, also later, where there has been none for `patience` seconds; it names the
@@ -47,41 +45,36 @@ class ClusterLab(StationLab):
     def __init__(
         self,
         client: Client,
-        station: Station,
+        bench: Workbench,
         target: Target,
         patience: float,
         identity: Callable[[], Identity] = identify,
     ) -> None:
-        super().__init__(station, target)
         self.client = client
+        self.target = target
         self.patience = patience
         self.refused: dict[str, str] = {}  # workers that are not what they announce, and why
         self.jobs: dict[str, int] = {}  # done, by worker
         self._identify = identity
         self._resource = resource_of(target.name)
         self._wanted: Identity | None = None
-        self._wait_for_worker()
-        assert self._wanted is not None
-        self.cpu = f"{target.name}, {self._wanted.cpu}"
+        self._task = Task(self._wait_for_worker(), identity)
+        super().__init__(bench, target)
+
+    def _cpu(self) -> str:
+        return f"{self.target.name}, {self._task.expected.cpu}"
 
     # -- as Lab --
 
-    def build(
-        self, candidates: Sequence[Candidate]
-    ) -> Iterator[tuple[Candidate, Rejection | None]]:
-        for number, built in self._done(build_on_worker, candidates, BUILD_SHARE):
-            assert isinstance(built, Built)
-            candidate, theirs = candidates[number], built.candidate
-            candidate.library, candidate.verdict = theirs.library, theirs.verdict
-            candidate.pooltool, candidate.rejected = theirs.pooltool, theirs.rejected
-            yield candidate, built.rejection
+    def build(self, kernels: Sequence[Emitted]) -> Iterator[tuple[Emitted, Verified | Rejected]]:
+        for number, made in self._done(build_on_worker, kernels, BUILD_SHARE):
+            yield kernels[number], made
 
     def time(self, job: TimingJob) -> dict[str, Any]:
         [(_, document)] = self._done(time_on_worker, [job], 1.0)
         if isinstance(document, KernelError):
             raise document
-        assert isinstance(document, dict)
-        return document
+        return dict(document)
 
     # -- workers --
 
@@ -108,8 +101,8 @@ class ClusterLab(StationLab):
     def _refuse(self, address: str, name: str, why: str) -> None:
         self.refused[address] = f"worker {name} {why}"
 
-    def _wait_for_worker(self) -> None:
-        """Until there is one that fits; each is asked what it is."""
+    def _wait_for_worker(self) -> Identity:
+        """The first that fits, or InputError; each is asked what it is."""
         end = time.monotonic() + self.patience
         while True:
             for address, name in self._claimants().items():
@@ -118,8 +111,8 @@ class ClusterLab(StationLab):
                 if why:
                     self._refuse(address, name, why)
                 elif isinstance(real, Identity):
-                    self._wanted = self._wanted or real
-                    return
+                    self._wanted = real
+                    return real
             if time.monotonic() >= end:
                 raise InputError(self._nobody())
             time.sleep(_POLL)
@@ -186,13 +179,11 @@ class ClusterLab(StationLab):
         share: float,
         able: Collection[str],
     ) -> tuple[Future, _Sent]:
-        assert self._wanted is not None
-        task = Task(self.station.scene, self.station.model, self._wanted, self._identify)
         workers = frozenset(able) if self.refused else None
         future = self.client.submit(
             _with_address,
             function,
-            task,
+            self._task,
             payload,
             resources={self._resource: share},
             workers=list(workers) if workers else None,

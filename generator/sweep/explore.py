@@ -6,24 +6,24 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
-from ..choice.workbench import Candidate
+from ..choice.kernel import Built, Emitted, Rejected, Verified
+from ..choice.timing import ended_by
+from ..choice.trials import Depends, Errors, Rejection, Subject, Times, Trial, one_line
+from ..choice.workbench import BLOCK_MS, TimingJob
 from ..errors import EmissionError, KernelError
 from ..evidence.timing.ratios import timing_run
 from ..registry.names import name_of
+from ..registry.question import Contest
 from ..registry.variant import Variant
-from .figures import errors_of, times_of
 from .lab import Lab
 from .ladder import RUNGS, Entry, by_ratio, eligible, promoted
 from .ledger import Ledger
-from .record import Depends, Rejection, Trial
 from .search import Search
-from .sources import candidate_hash
-from .space import Contest
-from .station import BLOCK_MS, TimingJob, one_line, rejection_of
 
 WAVE = 8
-_CANDIDATES = 256  # that are kept in memory, each with its text
+_KERNELS = 256  # that are kept in memory, each with its text
 TRIAL_SECONDS = 8.0  # a timing ends then, whatever its rounds; half of it may be waiting
 
 
@@ -53,6 +53,7 @@ class Progress:
 
 
 Observer = Callable[[Progress], None]
+Stage = TypeVar("Stage", bound=Emitted)
 
 
 @dataclass
@@ -61,7 +62,7 @@ class Exploration:
 
     contest: Contest
     search: Search
-    baseline: Candidate  # built and verified
+    baseline: Verified
     lab: Lab
     ledger: Ledger
     budget: Budget
@@ -70,11 +71,8 @@ class Exploration:
     rejected: Counter[str] = field(default_factory=Counter)
     tried: int = 0  # new trials on the lowest rung
     complete: bool = False  # the search had nothing left to propose
-    _candidates: dict[str, Candidate] = field(default_factory=dict)
+    _kernels: dict[str, Emitted] = field(default_factory=dict)
     _best: Entry | None = None
-
-    def __post_init__(self) -> None:
-        self._baseline_hash = candidate_hash(self.baseline)
 
     def run(self) -> None:
         """Waves until the search has nothing left or the budget is used up."""
@@ -100,16 +98,17 @@ class Exploration:
         """What may be chosen, fastest first."""
         return by_ratio(list(self.entries.values()))
 
-    def built(self, entries: Sequence[Entry]) -> list[tuple[Entry, Candidate]]:
+    def built(self, entries: Sequence[Entry]) -> list[tuple[Entry, Verified]]:
         """Those with a library, which is made again where it was lost; what fails now is out."""
-        candidates = [self._candidate(e.variant) for e in entries]
-        lost: set[str] = set()
-        for candidate, rejection in self.lab.build([c for c in candidates if c.library is None]):
-            if rejection is not None:
-                lost.add(candidate.name)
-                self.drop(candidate.variant, rejection)
-        pairs = zip(entries, candidates, strict=True)
-        return [(entry, candidate) for entry, candidate in pairs if candidate.name not in lost]
+        kernels = [self._kernel(e.variant) for e in entries]
+        there = {k.name: k for k in kernels if isinstance(k, Verified)}
+        for kernel, made in self.lab.build([k for k in kernels if k.name not in there]):
+            if isinstance(made, Rejected):
+                self.drop(kernel.variant, Rejection.of(made))
+            else:
+                there[made.name] = self._remember(made)
+        pairs = zip(entries, kernels, strict=True)
+        return [(entry, there[k.name]) for entry, k in pairs if k.name in there]
 
     def drop(self, variant: Variant, why: Rejection) -> None:
         """An entry that had figures and fails now is out of this run."""
@@ -148,13 +147,13 @@ class Exploration:
     # -- one wave --
 
     def _first_rung(self, wave: Sequence[Variant]) -> None:
-        new: list[Candidate] = []
+        new: list[Emitted] = []
         for variant in wave:
             self.tell("emitting")
             try:
                 found = self._found(variant, 0)
                 if found is None:
-                    new.append(self._candidate(variant))
+                    new.append(self._kernel(variant))
             except EmissionError as error:
                 self._refuse(variant, Rejection(reason="compile", text=one_line(str(error))))
                 continue
@@ -164,18 +163,18 @@ class Exploration:
             new = new[: self.budget.trials - self.tried]
         self._try(new)
 
-    def _try(self, new: Sequence[Candidate]) -> None:
-        ready: set[str] = set()
+    def _try(self, new: Sequence[Emitted]) -> None:
+        ready: dict[str, Verified] = {}
         self.tell(f"building {len(new)}")
-        for candidate, rejection in self.lab.build(new):
-            if rejection is None:
-                ready.add(candidate.name)
+        for kernel, made in self.lab.build(new):
+            if isinstance(made, Rejected):
+                self._keep(made, 0)
             else:
-                self._keep(candidate, 0, rejection=rejection)
+                ready[kernel.name] = self._remember(made)
             self.tell("building")
-        for candidate in new:  # in their order, not in that of the compiler
-            if candidate.name in ready:
-                self._time(candidate, 0)
+        for kernel in new:  # in their order, not in that of the compiler
+            if kernel.name in ready:
+                self._time(ready[kernel.name], 0)
                 self.tell("timing")
 
     def _next_rung(self, entries: Sequence[Entry]) -> None:
@@ -186,68 +185,63 @@ class Exploration:
                 missing.append(entry)
             else:
                 self._enter(entry.variant, found)
-        for entry, candidate in self.built(missing):
+        for entry, kernel in self.built(missing):
             self.tell(f"timing for longer ({RUNGS[entry.rung + 1]} rounds)")
-            self._time(candidate, entry.rung + 1)
+            self._time(kernel, entry.rung + 1)
 
-    def _time(self, candidate: Candidate, rung: int) -> None:
-        kernels = {c.name: c for c in (self.baseline, candidate)}
+    def _time(self, kernel: Verified, rung: int) -> None:
+        kernels = {k.name: k for k in (self.baseline, kernel)}
         job = TimingJob(tuple(kernels.values()), RUNGS[rung], TRIAL_SECONDS)
         try:
             run = timing_run(self.lab.time(job))
         except KernelError as error:
-            self._keep(candidate, rung, rejection=rejection_of(error))
+            self._keep(ended_by(kernel, error), rung)
         else:
-            self._keep(candidate, rung, times=times_of(run, candidate.name))
+            self._keep(kernel, rung, Times.of(run, kernel.name))
 
     # -- records --
 
-    def _candidate(self, variant: Variant) -> Candidate:
-        name = name_of(variant)
-        if name not in self._candidates:
-            if len(self._candidates) >= _CANDIDATES:  # the oldest: it can be made again
-                del self._candidates[next(iter(self._candidates))]
-            self._candidates[name] = self.lab.candidate(variant)
-        return self._candidates[name]
+    def _kernel(self, variant: Variant) -> Emitted:
+        known = self._kernels.get(name_of(variant))
+        return known if known is not None else self._remember(self.lab.emit(variant))
+
+    def _remember(self, kernel: Stage) -> Stage:
+        if kernel.name not in self._kernels and len(self._kernels) >= _KERNELS:
+            del self._kernels[next(iter(self._kernels))]  # the oldest: it can be made again
+        self._kernels[kernel.name] = kernel
+        return kernel
+
+    def depends(self, variant: Variant, timing: str) -> Depends:
+        """What figures of a variant depend on, by a way of timing."""
+        code, goal = self.lab.code(variant), variant.question.goal
+        return self.lab.rules(self.contest).depends(code, goal, self.baseline.code, timing)
 
     def _depends(self, variant: Variant, rung: int) -> Depends:
-        code = self.lab.code(variant)
-        rules = self.lab.rules(variant.stepper.steps, variant.width > 1)
-        return Depends(
-            source=code.source,
-            compiler=code.compiler,
-            flags=code.flags,
-            cpu=self.lab.cpu,
-            goal=str(variant.stepper.goal),
-            call=self.contest.call,
-            cases=rules.cases,
-            rules=rules.rules,
-            bench=rules.bench,
-            baseline=self._baseline_hash,
-            timing=f"{RUNGS[rung]} rounds, blocks of {BLOCK_MS:g} ms",
-            timed=rules.timed,
-        )
+        return self.depends(variant, f"{RUNGS[rung]} rounds, blocks of {BLOCK_MS:g} ms")
 
     def _found(self, variant: Variant, rung: int) -> Trial | None:
-        subject = self.contest.subject(variant)
+        subject = Subject.of(variant)
         return self.ledger.find(subject, self._depends(variant, rung), rung)
 
-    def _keep(self, candidate: Candidate, rung: int, **figures: object) -> None:
-        library = candidate.library
+    def _keep(self, made: Verified | Rejected, rung: int, times: Times | None = None) -> None:
+        known, seconds = made.emitted, None
+        if isinstance(known, Built) and not known.library.hit:
+            seconds = round(known.library.seconds, 3)
         trial = self.ledger.trial(
-            self.contest.subject(candidate.variant),
-            self._depends(candidate.variant, rung),
+            Subject.of(made.variant),
+            self._depends(made.variant, rung),
             rung,
-            build_seconds=None if library is None or library.hit else round(library.seconds, 3),
-            errors=errors_of(candidate),
-            **figures,
+            build_seconds=seconds,
+            errors=Errors.of(made),
+            rejection=Rejection.of(made) if isinstance(made, Rejected) else None,
+            times=times,
         )
         self.tried += rung == 0
-        self._enter(candidate.variant, trial)
+        self._enter(made.variant, trial)
 
     def _refuse(self, variant: Variant, why: Rejection) -> None:
         self.rejected[why.reason] += 1
-        self.ledger.refusal(self.contest.subject(variant), why)
+        self.ledger.refusal(Subject.of(variant), why)
 
     def _enter(self, variant: Variant, trial: Trial) -> None:
         entry = self.entries.setdefault(name_of(variant), Entry(variant))

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from ..choice.trials import Depends, Final, Run, Times, Trial
 from ..evidence.records.record import Basis, Cpu, TimingRecord
 from ..targets.host import KNOWN_CPUS
 from .ledger import identity
-from .record import Depends, Final, Run, Times, Trial
-from .space import variant_of_subject
 from .store import ResultStore
 
 
@@ -26,6 +25,7 @@ class _Timed:
     """The times of a trial, or of the final that its kernel was in later."""
 
     trial: Trial
+    depends: Depends
     times: Times
     made_at: str
     origin: str
@@ -43,41 +43,36 @@ def exported(store: ResultStore, target: str) -> Exported:
     return Exported(tuple(records), tuple(left))
 
 
-def _longest(trials: Iterable[Trial], target: str) -> list[Trial]:
+def _longest(trials: Iterable[Trial], target: str) -> list[_Timed]:
     """Of each variant's code the trial of the highest rung."""
-    found: dict[tuple[str, Depends], Trial] = {}
-    for trial in trials:
-        if trial.times is None or trial.depends is None or trial.subject.target != target:
+    found: dict[tuple[str, Depends], _Timed] = {}
+    for t in trials:
+        if t.times is None or t.depends is None or t.subject.target != target:
             continue
-        key = (identity(trial.subject), trial.depends.model_copy(update={"timing": ""}))
-        if key not in found or found[key].rung <= trial.rung:
-            found[key] = trial
+        key = (identity(t.subject), t.depends.model_copy(update={"timing": ""}))
+        if key not in found or found[key].trial.rung <= t.rung:
+            found[key] = _Timed(t, t.depends, t.times, t.made_at, f"sweep, rung {t.rung}")
     return list(found.values())
 
 
-def _with_finals(trials: Iterable[Trial], finals: Iterable[Final]) -> Iterator[_Timed]:
+def _with_finals(longest: Iterable[_Timed], finals: Iterable[Final]) -> Iterator[_Timed]:
     """A final timed what was newest then."""
-    known = sorted(trials, key=lambda trial: trial.made_at)
-    timed = {trial.id: _of_trial(trial) for trial in known}
+    known = sorted(longest, key=lambda timed: timed.made_at)
+    found = {timed.trial.id: timed for timed in known}
     for final in finals:
-        newest = {identity(t.subject): t for t in known if t.made_at <= final.made_at}
+        newest = {identity(t.trial.subject): t for t in known if t.made_at <= final.made_at}
         for row in final.finalists:
-            trial = newest.get(identity(row.subject))
-            if trial is not None:
+            timed = newest.get(identity(row.subject))
+            if timed is not None:
                 origin = f"sweep, final of {len(final.finalists)}, {final.processes} processes"
-                timed[trial.id] = _Timed(trial, row.times, final.made_at, origin)
-    yield from timed.values()
-
-
-def _of_trial(trial: Trial) -> _Timed:
-    assert trial.times is not None
-    return _Timed(trial, trial.times, trial.made_at, f"sweep, rung {trial.rung}")
+                found[timed.trial.id] = replace(
+                    timed, times=row.times, made_at=final.made_at, origin=origin
+                )
+    yield from found.values()
 
 
 def _record(timed: _Timed, run: Run) -> TimingRecord:
-    depends = timed.trial.depends
-    assert depends is not None
-    variant = variant_of_subject(timed.trial.subject)
+    variant, depends = timed.trial.subject.variant(), timed.depends
     return TimingRecord(
         question=str(variant.question),
         recipe=str(variant.recipe),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from ..choice.trials import Times, Trial
 from ..registry.variant import Variant
-from .record import Times, Trial
 
 RUNGS = (24, 96, 384)  # rounds of a timing
 KEPT = 4  # the best one in so many goes to the next rung

@@ -7,17 +7,9 @@ from collections import Counter
 from collections.abc import Mapping
 from datetime import UTC, datetime
 
+from ..choice.trials import Depends, Final, Rejection, Run, Subject, Trial, trial_key
 from ..evidence.records.code import digest
 from ..registry.axes import axis
-from .record import (
-    Depends,
-    Final,
-    Rejection,
-    Run,
-    Subject,
-    Trial,
-    trial_key,
-)
 from .store import ResultStore
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+from ..choice.trials import Final, Trial, name_of_contest
 from ..errors import InputError
 from .explore import Exploration
-from .finals import hold, row_of
+from .finals import hold
 from .ladder import Entry, by_ratio
 from .ledger import identity
-from .record import Final, Trial
-from .space import variant_of_subject
 from .store import ResultStore
 
 ROUNDS = 150  # in each process
@@ -21,7 +20,7 @@ def verify_choice(
 
     Raises InputError where the store has no choice for the contest.
     """
-    contest = exploration.contest.name
+    contest = name_of_contest(exploration.contest)
     finals = [f for f in store.finals() if f.contest == contest and f.purpose == "choice"]
     if not finals:
         raise InputError(f"{store.path}: no choice for {contest}; run ./gen sweep first")
@@ -29,7 +28,7 @@ def verify_choice(
     entries = stored_entries(store, contest)
     if rivals is not None:
         entries = stored_entries(rivals, contest) | entries
-    chosen = entries[identity(row_of(last, last.chosen).subject)]
+    chosen = entries[identity(last.row(last.chosen).subject)]
     picked = [chosen]
     for entry in by_ratio(list(entries.values())):
         if len(picked) == best:
@@ -49,7 +48,7 @@ def stored_entries(store: ResultStore, contest: str) -> dict[str, Entry]:
     entries = {}
     for key, by_rung in newest.items():
         try:
-            variant = variant_of_subject(by_rung[min(by_rung)].subject)
+            variant = by_rung[min(by_rung)].subject.variant()
         except ValueError:
             continue  # an option that the registry no longer has
         entries[key] = Entry(variant, [by_rung[rung] for rung in sorted(by_rung)])

@@ -4,35 +4,28 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 
 from ..evidence.records.files import read_records, write_records
+from ..registry.question import CALLS, DEFAULT_IMPACT, Contest, Goal
 from .explore import Observer
 from .exporting import exported
 from .lab import Lab
 from .ledger import Ledger
-from .record import Run
-from .space import Contest
 from .store import ResultStore
 from .sweep import Outcome, Plan, run_sweep
-
-LabOf = Callable[[str], AbstractContextManager[Lab]]  # by contact model
-RunOf = Callable[[Lab], Run]
 
 
 def refresh(
     plan: Plan,
     models: Sequence[str],
-    lab_of: LabOf,
-    store: ResultStore,
-    run_of: RunOf,
-    out: Path,
+    lab: Lab,
+    ledger: Ledger,
     observe: Observer,
-    say: Callable[[str], None],
+    after: Callable[[str], None],
 ) -> list[Outcome]:
-    """Each contact model with its share of the minutes; the records are written after each.
+    """Each contact model with its share of the minutes; `after` is called with each when done.
 
     `plan`: of one model; its minutes are those of all.
     """
@@ -40,15 +33,12 @@ def refresh(
     for number, model in enumerate(models):
         left = None
         if plan.minutes is not None:
-            left = max(0.0, plan.minutes - (time.monotonic() - started) / 60) / (
-                len(models) - number
-            )
+            used = (time.monotonic() - started) / 60
+            left = max(0.0, plan.minutes - used) / (len(models) - number)
         contests = tuple(replace(contest, model=model) for contest in plan.contests)
-        with lab_of(model) as lab:
-            asked = replace(plan, contests=contests, minutes=left, compilers=tuple(lab.compilers))
-            ledger = Ledger(store, run_of(lab))
-            outcomes += run_sweep(asked, lab, ledger, observe, time.monotonic())
-        say(f"{model}: {add_exported(store, plan.target.name, out, say)}")
+        asked = replace(plan, contests=contests, minutes=left)
+        outcomes += run_sweep(asked, lab, ledger, observe, time.monotonic())
+        after(model)
     return outcomes
 
 
@@ -67,7 +57,7 @@ def contests_of(
     target: str, scene: str, steps: int, budgets: Sequence[float]
 ) -> tuple[Contest, ...]:
     """Single calls and batches, of fixed steps and of each budget; the model comes later."""
-    goals: list[tuple[int | None, float | None]] = [(steps, None), *((None, b) for b in budgets)]
+    goals = [Goal(steps=steps), *(Goal(budget=budget) for budget in budgets)]
     return tuple(
-        Contest(target, scene, "", *goal, call) for call in ("scalar", "batch") for goal in goals
+        Contest(DEFAULT_IMPACT, target, scene, "", goal, call) for call in CALLS for goal in goals
     )

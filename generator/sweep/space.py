@@ -8,78 +8,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from random import Random
 
+from ..choice.seeds import steppers_of
 from ..errors import InputError
 from ..registry.axes import AXES, Axis, axes_of
-from ..registry.names import name_of
-from ..registry.question import DEFAULT_IMPACT, Family, Goal, Question, Width
-from ..registry.question import Contest as Everywhere
+from ..registry.question import Contest, Question, Width
 from ..registry.rules import Rule, broken_rule
-from ..registry.variant import (
-    Stepper,
-    Variant,
-    answered,
-    fixed_steps,
-    make_variant,
-    variant_with,
-)
-from ..steppers.exact.budgets import tableaus_for
+from ..registry.variant import Stepper, Variant, answered, variant_with
 from ..targets.target import Target
-from .record import Call, Subject
 
 _FEW = 3000  # combinations that are all looked at before one is drawn
 _DRAWS = 20_000  # about a tenth of all combinations are legal
-
-
-@dataclass(frozen=True)
-class Contest:
-    """What is held fixed: the kernels of a contest answer the same question."""
-
-    target: str
-    scene: str
-    model: str
-    steps: int | None  # fixed steps, or
-    budget: float | None  # an error budget
-    call: Call
-
-    @property
-    def goal(self) -> Goal:
-        return Goal(self.steps, self.budget)
-
-    @property
-    def family(self) -> Family:
-        return self.goal.family
-
-    @property
-    def name(self) -> str:
-        """As `Subject.contest`."""
-        goal = f"n{self.steps}" if self.steps is not None else f"e{self.budget:g}"
-        return f"{self.target}/{self.scene}/{self.model}/{goal}/{self.call}"
-
-    @property
-    def everywhere(self) -> Everywhere:
-        """As records have it: on whatever CPU."""
-        return Everywhere(DEFAULT_IMPACT, self.scene, self.model, self.goal, self.call)
-
-    def steppers(self) -> tuple[Stepper, ...]:
-        if self.steps is not None:
-            return (fixed_steps(self.steps),)
-        assert self.budget is not None
-        return tuple(Stepper(name, budget=self.budget) for name in tableaus_for(self.budget))
-
-    def subject(self, variant: Variant) -> Subject:
-        """The variant as a record has it."""
-        return Subject(
-            name=name_of(variant),
-            target=variant.target,
-            scene=variant.scene,
-            model=variant.model,
-            stepper=variant.stepper.name,
-            steps=variant.stepper.steps,
-            budget=variant.stepper.budget,
-            width=variant.width,
-            options=dict(variant.options),
-            call=self.call,
-        )
 
 
 @dataclass(frozen=True)
@@ -96,10 +34,15 @@ class Space:
     widths: tuple[int, ...]
     only: Mapping[str, tuple[str, ...]]
 
+    @property
+    def steppers(self) -> tuple[Stepper, ...]:
+        """Those that reach the contest's goal."""
+        return steppers_of(self.contest.goal)
+
     def axes(self, width: int) -> tuple[tuple[Axis, tuple[str, ...]], ...]:
         """The axes that kernels of a width have, each with the codes that it may have here."""
         found = []
-        for axis in axes_of(self.contest.family, width):
+        for axis in axes_of(self.contest.goal.family, width):
             codes = self.only.get(axis.key, axis.codes())
             if axis.key == "compiler":
                 codes = tuple(code for code in codes if code in self.compilers)
@@ -112,14 +55,14 @@ class Space:
 
     def has(self, variant: Variant) -> bool:
         """Is it one of this space: legal, and within `only`?"""
-        if variant.width not in self.widths or variant.stepper not in self.contest.steppers():
+        if variant.width not in self.widths or variant.stepper not in self.steppers:
             return False
         within = all(variant[axis.key] in codes for axis, codes in self.axes(variant.width))
         return within and self.broken(variant) is None
 
     def everything(self) -> Iterator[Variant]:
         """All legal variants, in the order of the registry."""
-        for stepper, width in itertools.product(self.contest.steppers(), self.widths):
+        for stepper, width in itertools.product(self.steppers, self.widths):
             axes = self.axes(width)
             keys = [axis.key for axis, _ in axes]
             for codes in itertools.product(*(codes for _, codes in axes)):
@@ -130,7 +73,7 @@ class Space:
 
     def steps_from(self, variant: Variant) -> Iterator[Variant]:
         """All that differ from a variant in one option, stepper or width; legal or not."""
-        for stepper in self.contest.steppers():
+        for stepper in self.steppers:
             if stepper != variant.stepper:
                 yield variant.with_stepper(stepper)
         for width in self.widths:
@@ -162,7 +105,7 @@ class Space:
             legal = [v for v in self.everything() if fixed.items() <= dict(v.options).items()]
             return random.choice(legal) if legal else None
         for _ in range(_DRAWS):
-            stepper, width = random.choice(self.contest.steppers()), random.choice(self.widths)
+            stepper, width = random.choice(self.steppers), random.choice(self.widths)
             options = tuple(
                 (axis.key, fixed.get(axis.key) or random.choice(codes))
                 for axis, codes in self.axes(width)
@@ -175,13 +118,13 @@ class Space:
     def _combinations(self) -> int:
         """Legal ones and others."""
         of_widths = sum(math.prod(len(c) for _, c in self.axes(width)) for width in self.widths)
-        return len(self.contest.steppers()) * of_widths
+        return len(self.steppers) * of_widths
 
     def _variant(
         self, stepper: Stepper, width: int, options: tuple[tuple[str, str], ...]
     ) -> Variant:
         c = self.contest
-        asked = Question(DEFAULT_IMPACT, c.target, c.scene, c.model, c.goal, Width(width))
+        asked = Question(c.impact, c.target, c.scene, c.model, c.goal, Width(width))
         return variant_with(asked, stepper.name, dict(options))
 
 
@@ -189,17 +132,6 @@ def in_width(variant: Variant, width: int) -> Variant:
     """The same options in another number of lanes; those that only one of them has: default."""
     question = replace(variant.question, width=Width(width))
     return answered(question, variant.recipe.stepper, dict(variant.options))
-
-
-def variant_of_subject(subject: Subject) -> Variant:
-    """The variant that a stored record was made of, in today's registry.
-
-    Axes that are newer have their default. Raises ValueError where an option is gone.
-    """
-    stepper = Stepper(subject.stepper, steps=subject.steps, budget=subject.budget)
-    return make_variant(
-        subject.target, subject.scene, subject.model, stepper, subject.width, **subject.options
-    )
 
 
 def parse_only(words: tuple[str, ...]) -> dict[str, tuple[str, ...]]:

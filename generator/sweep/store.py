@@ -10,9 +10,9 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
+from ..choice.trials import SCHEMA, Final, Record, Run, Trial, parse_record
 from ..errors import InputError
 from ..files import require_regular
-from .record import SCHEMA, Final, Record, Run, Trial, parse_record
 
 FILE = "sweep.sqlite"
 _APPLICATION = 0x6361726D  # "carm", in the file's header

@@ -2,36 +2,30 @@
 
 from __future__ import annotations
 
-import itertools
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from random import Random
 
-from ..choice.batches import in_lanes_of
-from ..choice.candidates import (
-    baseline,
-    batch_candidates,
-    exact_candidates,
-    fixed_step_candidates,
-)
+from ..choice.candidates import baseline
+from ..choice.job import STEPS
+from ..choice.kernel import Rejected, Verified
 from ..choice.lookup import default_kernel
-from ..choice.recorded import MORE
-from ..choice.workbench import Candidate
+from ..choice.seeds import recorded_of, seeds_of, steppers_of
+from ..choice.trials import Final
 from ..errors import InputError, KernelError
 from ..evidence.records.evidence import Timings
 from ..registry.axes import axes_of
 from ..registry.lane_numbers import widths_for
+from ..registry.question import Contest
 from ..registry.variant import Variant
 from ..targets.target import Target
 from .explore import Budget, Exploration, Observer
-from .finals import choose, row_of
+from .finals import choose
 from .lab import Lab
 from .ledger import Ledger
-from .record import Final
 from .search import Search
-from .space import Contest, Space, variant_of_subject
-from .station import BASELINE_STEPS
+from .space import Space
 
 USEFUL_MINUTES = 1.0  # that a contest needs at least: its first candidates and their final
 FINAL_RESERVE = 60.0  # seconds of the budget kept for a contest's last wave and its final
@@ -54,7 +48,7 @@ class Plan:
 
     def space(self, contest: Contest) -> Space:
         """What may be tried in a contest."""
-        there = widths_for(self.target, contest.scene, contest.family)
+        there = widths_for(self.target, contest.scene, contest.goal.family)
         widths = tuple(width for width in self.widths[contest.call] if width in there)
         only = {**held_options(contest, self.target), **self.only}
         return Space(contest, self.target, self.compilers, widths, only)
@@ -66,9 +60,9 @@ def held_options(contest: Contest, target: Target) -> dict[str, tuple[str, ...]]
     They are those of the kernel that is used before anything was timed, so that a record of a batch
     does not depend on what was chosen for single calls.
     """
-    if contest.call == "scalar":
+    if not contest.batches:
         return {}
-    family = contest.family
+    family = contest.goal.family
     first = default_kernel(target, contest.scene, contest.model, contest.goal)
     alone = [axis.key for axis in axes_of(family) if axis.family == family and not axis.lanes]
     return {key: (first[key],) for key in alone}
@@ -90,9 +84,10 @@ def require_spaces(plan: Plan) -> None:
     """Raise InputError where `only` leaves a contest without a legal variant."""
     for contest in plan.contests:
         if plan.space(contest).drawn(Random(plan.seed)) is None:
+            family, call = contest.goal.family, contest.call
             raise InputError(
-                f"--only: no legal variant of {contest.family} kernels is left for {contest.call} "
-                "calls; allow more codes (see ./gen list variants)"
+                f"--only: no legal variant of {family} kernels is left for {call} calls; "
+                "allow more codes (see ./gen list variants)"
             )
 
 
@@ -107,40 +102,24 @@ def explorations(plan: Plan, lab: Lab, ledger: Ledger, observe: Observer) -> lis
     return found
 
 
-def _baseline(plan: Plan, contest: Contest, lab: Lab) -> Candidate:
-    variant = baseline(plan.target, contest.scene, contest.model, BASELINE_STEPS, plan.compilers)
-    candidate = lab.candidate(variant)
-    for _candidate, rejection in lab.build([candidate]):
-        if rejection is not None:
-            raise KernelError(f"paper-initial, which all are timed against: {rejection.text}")
-    return candidate
+def _baseline(plan: Plan, contest: Contest, lab: Lab) -> Verified:
+    variant = baseline(plan.target, contest.scene, contest.model, STEPS, plan.compilers)
+    [(_, made)] = lab.build([lab.emit(variant)])
+    if isinstance(made, Rejected):
+        raise KernelError(f"paper-initial, which all are timed against: {made.text}")
+    return made
 
 
 def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
-    """What was fastest on the CPU before, then the main job's candidates, -Ofast last."""
-    recorded = plan.timings.fastest(contest.everywhere, plan.target.name, MORE)
-    if contest.call == "batch":
-        return _seeds_in_lanes(plan, contest, recorded)
-    target, scene, model = plan.target, contest.scene, contest.model
-    if contest.steps is not None:
-        known = fixed_step_candidates(target, scene, model, contest.steps, plan.compilers)
-    else:
-        assert contest.budget is not None
-        known = exact_candidates(target, scene, model, contest.budget, plan.compilers)
-    known.sort(key=lambda variant: variant["flags"] != "strict")
-    return [*recorded, *known]
+    """What was fastest on the CPU before, then the main job's candidates, -Ofast last.
 
-
-def _seeds_in_lanes(plan: Plan, contest: Contest, recorded: Sequence[Variant]) -> list[Variant]:
-    """The kernels used before anything was timed, as the main job puts them in lanes.
-
-    One of each stepper in turn.
+    In lanes: the kernels used before anything was timed, one of each stepper in turn.
     """
     first = default_kernel(plan.target, contest.scene, contest.model, contest.goal)
-    singles = [first.with_stepper(stepper) for stepper in contest.steppers()]
-    fast = [in_lanes_of(one, first) for one in recorded]
-    each = (batch_candidates(one, plan.target, plan.compilers) for one in singles)
-    return fast + [v for some in itertools.zip_longest(*each) for v in some if v is not None]
+    singles = [first.with_stepper(stepper) for stepper in steppers_of(contest.goal)]
+    known = seeds_of(contest, plan.compilers, singles)
+    known.sort(key=lambda variant: variant["flags"] != "strict")
+    return [*recorded_of(contest, plan.timings, [first]), *known]
 
 
 def run_sweep(
@@ -166,7 +145,7 @@ def run_sweep(
         trials = None if trials is None else trials - exploration.tried + before
         final = choose(exploration)
         if final is not None:
-            exploration.note_constraints(variant_of_subject(row_of(final, final.chosen).subject))
+            exploration.note_constraints(final.row(final.chosen).subject.variant())
         outcomes.append(Outcome(exploration, final))
     return outcomes
 

@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-from ..choice.workbench import Candidate, Workbench, verification_hash
+from ..choice.kernel import Emitted, Rejected, Verified
+from ..choice.verifier import verification_hash
+from ..choice.workbench import TimingJob, Workbench
 from ..errors import KernelError
 from ..evidence.timing.bench_tool import build_bench_tool, source_hash
 from ..impacts.registry import DEFAULT, find_impact
 from ..places import cache_folder
 from ..targets.host import read_host
 from ..toolchain.compilers import find_compilers
-from .record import Rejection
-from .station import Station, TimingJob
+from .lab import Lab
 
 
 @dataclass(frozen=True)
@@ -46,10 +47,8 @@ def identify() -> Identity:
 
 @dataclass(frozen=True)
 class Task:
-    """One job as it is sent. A worker that turns out not to be `expected` does not do it."""
+    """What a job is sent with. A worker that turns out not to be `expected` does not do it."""
 
-    scene: str
-    model: str
     expected: Identity
     identify: Callable[[], Identity]
 
@@ -61,53 +60,43 @@ class Impostor:
     is_really: Identity
 
 
-@dataclass(frozen=True)
-class Built:
-    """A candidate with its library and verdict, or why it has none."""
-
-    candidate: Candidate
-    rejection: Rejection | None
-
-
 @cache
-def _station(scene: str, model: str) -> Station:
+def _lab() -> Lab:
     folder = cache_folder()
     compilers = {c.code: c for c in find_compilers()}
-    return Station(Workbench(build_bench_tool(folder), folder, compilers), scene, model)
+    return Lab(Workbench(build_bench_tool(folder), folder, compilers), read_host().target)
 
 
-def _with_own_compiler(station: Station, candidate: Candidate) -> Candidate:
-    """The candidate as this worker compiles it: by the same version, wherever that lies."""
-    own = station.bench.compilers.get(candidate.compiler.code)
-    if own is None or own.version != candidate.compiler.version:
+def _with_own_compiler(lab: Lab, kernel: Emitted) -> Emitted:
+    """The kernel as this worker compiles it: by the same version, wherever that lies."""
+    own = lab.bench.compilers.get(kernel.compiler.code)
+    if own is None or own.version != kernel.compiler.version:
         there = own.version if own else "none"
         raise KernelError(
-            f"a worker's {candidate.compiler.code} is {there}, not {candidate.compiler.version}"
+            f"a worker's {kernel.compiler.code} is {there}, not {kernel.compiler.version}"
         )
-    return replace(candidate, compiler=own, library=None)
+    return replace(kernel, compiler=own)
 
 
-def build_on_worker(task: Task, candidate: Candidate) -> Built | Impostor:
-    """Compile and verify. Raises KernelError where the worker has another compiler."""
+def build_on_worker(task: Task, kernel: Emitted) -> Verified | Rejected | Impostor:
+    """Build and verify. Raises KernelError where the worker has another compiler."""
     if (real := task.identify()) != task.expected:
         return Impostor(real)
-    station = _station(task.scene, task.model)
-    own = _with_own_compiler(station, candidate)
-    rejection = station.compile(own) or station.verify(own)
-    return Built(own, rejection)
+    lab = _lab()
+    return lab.bench.check(_with_own_compiler(lab, kernel))
 
 
 def time_on_worker(task: Task, job: TimingJob) -> dict[str, Any] | Impostor | KernelError:
     """What carom_bench measured here. Libraries that others built are built here first."""
     if (real := task.identify()) != task.expected:
         return Impostor(real)
-    station = _station(task.scene, task.model)
-    candidates = tuple(_with_own_compiler(station, c) for c in job.candidates)
-    for candidate in candidates:
-        rejection = station.compile(candidate)
-        if rejection is not None:
-            return KernelError(rejection.text)
+    lab, kernels = _lab(), []
+    for kernel in job.kernels:
+        built = lab.bench.build(_with_own_compiler(lab, kernel))
+        if isinstance(built, Rejected):
+            return KernelError(built.text)
+        kernels.append(built)
     try:
-        return station.time(replace(job, candidates=candidates))
+        return lab.time(replace(job, kernels=tuple(kernels)))
     except KernelError as error:
         return error  # as a result: an exception may lose its class on the way

@@ -11,15 +11,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..choice.batches import batch_job
-from ..choice.choose import found_errors, selected
+from ..choice.entries import found_errors, selected
 from ..choice.folder import checked_selection
-from ..choice.job import STEPS, exact_job, fixed_step_job, verify
+from ..choice.job import STEPS, hold, hold_batches
+from ..choice.kernel import Rejected
 from ..choice.selection import FILE, Selected, Selection, batch_rank, place_of
-from ..choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Workbench
+from ..choice.workbench import Workbench
 from ..errors import KernelError
 from ..files import write_file
-from ..registry.question import DEFAULT_IMPACT, Goal
+from ..registry.question import DEFAULT_IMPACT, Contest, Goal
 from ..registry.variant import Variant, fixed_steps
 from ..targets.host import Host
 from ..targets.target import Target, find_target
@@ -112,12 +112,13 @@ def _chosen(
     seconds: float,
 ) -> TargetKernels:
     """By the main job's rules, fixed steps at N = 1000: for single calls, then for batches."""
-    budget = request.goal.budget
-    job = fixed_step_job if budget is None else exact_job(budget)
-    _, first, choice = job(bench, target, host, request.scene, request.model, seconds)
-    lanes = batch_job(bench, target, host, request.scene, first, choice.chosen, seconds)
-    batch = None if lanes is None else selected(lanes[2], lanes[1])
-    return TargetKernels(selected(choice, first), batch)
+    goal = Goal(steps=STEPS) if request.goal.budget is None else request.goal
+    held = (DEFAULT_IMPACT, target.name, request.scene, request.model)
+    contest = Contest(*held, goal, "scalar")
+    singles = hold(bench, contest, host, seconds)
+    lanes = hold_batches(bench, singles, host, seconds)
+    batch = None if lanes is None else selected(lanes.choice)
+    return TargetKernels(selected(singles.choice), batch)
 
 
 def _with_steps(
@@ -136,12 +137,8 @@ def _with_steps(
         _store(places, request, target.name, base)
     if request.goal == thousand.goal:
         return base
-    single, batch = (
-        entry and _stepped(entry, request, target, bench, host)
-        for entry in (base.single, base.batch)
-    )
-    assert single is not None
-    return TargetKernels(single, batch)
+    batch = base.batch and _stepped(base.batch, request, target, bench, host)
+    return TargetKernels(_stepped(base.single, request, target, bench, host), batch)
 
 
 def _stepped(
@@ -164,14 +161,10 @@ def _errors_of(
     """The largest errors that verification finds; None where the kernel cannot run here."""
     if not host.runs(target) and bench.emulated is None:
         return {"max_rel_error": None, "worst_estimate_error": None}
-    candidate = bench.prepare([variant], target)[0]
-    bench.compile([candidate])
-    steps = variant.stepper.steps
-    expected = bench.expected(request.scene, request.model, steps, VERIFY_SEED, VERIFY_RANDOM)
-    bench.verify_at_worst([candidate], verify(bench, [candidate], expected))
-    if candidate.rejected or candidate.verdict is None:
-        raise KernelError(f"{candidate.name}: {candidate.rejected}")
-    return found_errors(candidate.verdict)
+    made = bench.check(bench.emit(variant, target))
+    if isinstance(made, Rejected):
+        raise KernelError(f"{made.name}: {made.text}")
+    return found_errors(made.verdict)
 
 
 def _store(places: Places, request: VendorRequest, target: str, made: TargetKernels) -> None:

@@ -17,8 +17,8 @@ from pydantic import (
 )
 
 from .. import __version__
+from ..choice.cases import VERIFY_RANDOM, VERIFY_SEED
 from ..choice.selection import Selected
-from ..choice.workbench import VERIFY_RANDOM, VERIFY_SEED
 from ..emission.banner import LICENCE
 from ..errors import InputError
 from ..impacts.ball_ball.scene import find_scene

@@ -27,6 +27,7 @@ from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
 from generator.toolchain.mca import find_mca
+from generator.toolchain.replay import Modelled
 from tests.support.kernels import CACHE, ROOT, bench_tool
 
 WORST = 1.10  # of the fastest recorded may the kernel take that the model picks
@@ -103,12 +104,11 @@ def modelled(
 ) -> list[tuple[float, Recorded]]:
     """Cycles of each kernel that llvm-mca can tell of, the fewest first."""
     target = find_target(cpu)
-    cases = bench().batch_cases if contest.call == "batch" else bench().timing_cases
-    candidates = bench().prepare([each.variant for each in kernels], target)
-    model_all(bench(), candidates, target, cases(contest.scene, contest.model))
-    for candidate in candidates:
-        assert candidate.modelled is not None, f"{candidate.name}: {candidate.rejected}"
-    pairs = zip((c.modelled.cycles for c in candidates if c.modelled), kernels, strict=True)
+    emitted = bench().emit_all([each.variant for each in kernels], target)
+    models = model_all(bench(), replace(contest, target=cpu), emitted)
+    for name, model in models.items():
+        assert isinstance(model, Modelled), f"{name}: {model}"
+    pairs = zip((models[kernel.name].cycles for kernel in emitted), kernels, strict=True)
     return sorted(pairs, key=lambda pair: pair[0])
 
 

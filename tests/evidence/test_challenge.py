@@ -6,12 +6,14 @@ import csv
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from generator.choice import sought
 from generator.choice.choose import Choice
+from generator.choice.kernel import Rejected
 from generator.errors import KernelError
 from generator.evidence.challenge import rewind as rewinding
 from generator.evidence.challenge.balls import cases_of
@@ -161,28 +163,35 @@ def test_roundings_are_told_apart(planted: Subject) -> None:
 # -- what follows from it --
 
 
-@dataclass
+@dataclass(frozen=True)
 class FakeCandidate:
     name: str
-    rejected: str = ""
+
+
+class FakeVerifier:
+    def verify_at_worst(self, kernel: FakeCandidate) -> FakeCandidate:
+        return kernel
 
 
 def choosing(monkeypatch: pytest.MonkeyPatch, held: dict[str, bool]) -> Choice:
     """The choice among candidates of which a search says what `held` does."""
     candidates = [FakeCandidate(name) for name in held]
 
-    def choose() -> Choice:
-        left = [c for c in candidates if not c.rejected]
+    def choose(kernels: sought.Entries) -> tuple[sought.Entries, Choice]:
+        left = [c for c in kernels if not isinstance(c, Rejected)]
         if not left:
             raise KernelError("no candidate passed verification")
-        return Choice(left[0], (), "default", "", "")  # type: ignore[arg-type]
+        return kernels, Choice(left[0], (), "default", "", "")
 
     def found(_bench: object, candidate: FakeCandidate, _known: object) -> sought.Sought:
         holds = held[candidate.name]
         return sought.Sought(100, 1, 0.5 if holds else 7.0, holds, csv_row("x", flawed(0.5)[0]))
 
     monkeypatch.setattr(sought, "sought", found)
-    return sought.choose_sought(None, None, choose)  # type: ignore[arg-type]
+    bench = SimpleNamespace(verifier=FakeVerifier())
+    kernels, choice = sought.choose_sought(bench, candidates, choose)  # type: ignore[arg-type]
+    assert any(kernel is choice.chosen for kernel in kernels)
+    return choice
 
 
 def test_kernel_that_the_search_breaks_is_not_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -194,7 +203,6 @@ def test_kernel_that_the_search_breaks_is_not_chosen(monkeypatch: pytest.MonkeyP
 def test_where_none_holds_the_first_stands_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     choice = choosing(monkeypatch, {"fast": False, "slower": False})
     assert choice.chosen.name == "fast"
-    assert not choice.chosen.rejected
     assert choice.sought is not None
     assert choice.sought.startswith("OVER: 7 of the budget")
     assert "; case 0,x," in choice.sought

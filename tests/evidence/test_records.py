@@ -7,19 +7,22 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
 from generator.api import Session
 from generator.choice.candidates import batch_candidates, exact_candidates, fixed_step_candidates
-from generator.choice.choose import choose_by_model, choose_by_records, selected
+from generator.choice.choose import choose_by_model, choose_by_records
+from generator.choice.entries import selected
 from generator.choice.folder import write_folder
+from generator.choice.kernel import Estimated, Rejected
 from generator.choice.model_error import MODEL_ERROR
 from generator.choice.recorded import choose_elsewhere
 from generator.choice.selection import Selection
-from generator.choice.workbench import Candidate
 from generator.cli.main import gen
+from generator.errors import KernelError
 from generator.evidence.records.evidence import Found, key_of_kernel, read_timings, timings_of, told
 from generator.evidence.records.files import read_records, timings_path, union, write_records
 from generator.evidence.verification.verdict import Verdict
@@ -33,7 +36,7 @@ from generator.toolchain.replay import Modelled
 
 ROOT = Path(__file__).parents[2]
 CODES = ("gcc", "clang", "clangold")
-POOLTOOL = Contest("ball-ball", "any", "pooltool", Goal(steps=1000), "scalar")
+POOLTOOL = Contest("ball-ball", "", "any", "pooltool", Goal(steps=1000), "scalar")
 
 
 def candidates(target: str, model: str = "pooltool") -> list[Variant]:
@@ -111,16 +114,31 @@ PASSED = Verdict(True, "", 1e-9, 1e-9, 10)
 
 def candidate(
     rsqrt: str, ratio: float | None = None, cycles: float | None = None, changed: str = ""
-) -> Candidate:
+) -> Estimated:
     stepper = fixed_steps(1000)
     variant = make_variant("zen3", "any", "pooltool", stepper, fma="fma", rsqrt=rsqrt)
-    made = Candidate(variant, None, None, (), verdict=PASSED)  # type: ignore[arg-type]
+    record = model = None
     if ratio is not None:
-        record = BASE.model_copy(update={"ratio": ratio})
-        made.recorded = Found(record, (changed,) if changed else ())
+        kept = BASE.model_copy(update={"ratio": ratio})
+        record = Found(kept, (changed,) if changed else ())
     if cycles is not None:
-        made.modelled = Modelled("znver3", cycles, 1.0, 32, "19")
-    return made
+        model = Modelled("znver3", cycles, 1.0, 32, "19")
+    return estimated(variant, record, model)
+
+
+def estimated(variant: Variant, record: Found | None, model: Modelled | None) -> Estimated:
+    nothing: Any = None
+    return Estimated(
+        variant=variant,
+        source=nothing,
+        compiler=nothing,
+        flags=(),
+        library=nothing,
+        verdict=PASSED,
+        pooltool=None,
+        record=record,
+        model=model,
+    )
 
 
 BASE = read_records(timings_path(ROOT, "zen3")).records[0]
@@ -150,7 +168,7 @@ def test_records_of_earlier_code_are_used_and_counted_with_what_changed() -> Non
         f"timed on AMD EPYC 7003 (zen3), {BASE.day}, 2 records, "
         "1 of them of earlier code (kernel text)"
     )
-    entry = selected(choice, some[0])
+    entry = selected(choice)
     assert (entry.chosen_by, entry.evidence) == ("records", choice.evidence)
     assert entry.ratio_to_baseline == 0.34
 
@@ -169,13 +187,13 @@ def test_a_record_of_the_code_as_it_is_goes_before_one_of_earlier_code() -> None
 
 def test_where_a_contact_model_was_not_timed_the_same_recipes_of_another_tell_more() -> None:
     timings = read_timings([ROOT])
-    pooltool = timings.fastest(POOLTOOL, "zen3", 1)[0]
+    pooltool = timings.fastest(replace(POOLTOOL, target="zen3"), 1)[0]
     other = pooltool.moved(model="bottom_slip")
     found = timings.find("zen3", other, BASE.basis)
     if found is not None and found.contest:  # until a Zen 3 has timed it
         assert told([found]).endswith(f"1 records of {found.contest}, as none of these kernels")
     assert timings.nearest("zen3", replace(POOLTOOL, goal=Goal(steps=999))) is None
-    closed = Contest("ball-ball", "stun", "pooltool", Goal(budget=1e-6), "scalar")
+    closed = Contest("ball-ball", "", "stun", "pooltool", Goal(budget=1e-6), "scalar")
     assert timings.nearest("zen3", closed) is None, "a closed form is another"
 
 
@@ -222,10 +240,8 @@ def test_a_batch_kernel_of_another_width_takes_the_place_of_the_one_before() -> 
     x8, x4 = (make_variant("zen3", "any", "mathavan2014", stepper, w) for w in (8, 4))
     entries = []
     for variant in (x8, x4):
-        made = candidate("inv", 0.1)
-        made.variant = variant
-        choice = choose_by_records([made], ZEN3)
-        entries.append(selected(choice, made))
+        made = replace(candidate("inv", 0.1), variant=variant)
+        entries.append(selected(choose_by_records([made], ZEN3)))
     empty = Selection(impact="ball-ball", target="zen3", resolved="zen3", scene="any", kernels=[])
     both = empty.with_entries(entries[:1]).with_entries(entries[1:])
     assert [entry.width for entry in both.kernels] == [4]
@@ -235,7 +251,7 @@ def test_the_banner_says_what_a_choice_rests_on_and_emit_gives_the_same_bytes(
     tmp_path: Path,
 ) -> None:
     made = candidate("inv", 0.34, changed="kernel text")
-    entry = selected(choose_by_records([made], ZEN3), made)
+    entry = selected(choose_by_records([made], ZEN3))
     folder = tmp_path / "generated" / "ball-ball" / "zen3" / "any"
     write_folder(
         folder,
@@ -278,12 +294,14 @@ def test_a_timed_kernel_that_the_model_cannot_take_is_chosen_all_the_same(
 ) -> None:
     timed, other = candidate("inv", 0.3), candidate("est1")
 
-    def model(some: Sequence[Candidate]) -> None:
-        for each in some:
-            each.rejected = "llvm-mca: not to be replayed"
+    def model(_bench: object, _contest: object, some: Sequence[Estimated]) -> dict[str, Any]:
+        return {each.name: KernelError("not to be replayed") for each in some}
 
-    monkeypatch.setattr("generator.choice.recorded.note_records", lambda *known: None)
+    monkeypatch.setattr("generator.choice.recorded.noted", lambda *known: [timed, other])
+    monkeypatch.setattr("generator.choice.recorded.model_all", model)
     bench = SimpleNamespace(timings=timings_of([]))
-    choice = choose_elsewhere(bench, [timed, other], timed, ZEN3, model)  # type: ignore[arg-type]
-    assert (choice.chosen, choice.by) == (timed, "records")
-    assert "llvm-mca" in other.rejected
+    [kept, out], choice = choose_elsewhere(
+        bench, replace(POOLTOOL, target="zen3"), [timed, other], 0
+    )  # type: ignore[arg-type]
+    assert (choice.chosen, choice.by, kept) == (timed, "records", timed)
+    assert isinstance(out, Rejected) and out.text == "llvm-mca: not to be replayed"

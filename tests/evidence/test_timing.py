@@ -17,12 +17,11 @@ from generator.evidence.timing.ratios import (
     Measurement,
     TimingRun,
     control_band,
-    fastest,
     median_interval,
-    ties,
     timing_results,
     timing_run,
 )
+from generator.evidence.timing.rounds import Rounds
 from generator.evidence.verification.errors import STICKS, VELOCITIES, errors_of
 from generator.evidence.verification.euler import euler_verdict
 from generator.evidence.verification.exact import exact_verdict
@@ -185,8 +184,7 @@ def test_timing_tells_half_from_whole(tool: BenchTool, tmp_path: Path) -> None:
     for result in results.values():
         print(result)
     assert 0.4 < results["half"].ratio < 0.6
-    assert results["half"].tie
-    assert not results["whole"].tie
+    assert Rounds((run,)).apart("whole", "half")
     assert results["whole"].ratio == 1
     assert results["half"].latency_ns and results["half"].seed_ns
     assert results["again"].latency_ns is None
@@ -268,11 +266,12 @@ def test_ties_need_the_band_or_the_interval() -> None:
         noisy=list(base * 0.8 * (1 + np.linspace(-0.2, 0.24, 101))),
     )
     print(control_band(run), [(r.name, r.ratio, r.ratio_ci) for r in timing_results(run)])
-    assert ties(run, "best") == ("near", "best", "noisy")
-    assert ties(run, "best", among=("best", "slow")) == ("best",)
+    rounds = Rounds((run,))
+    apart = [name for name in run.throughput.ns if rounds.apart(name, "best")]
+    assert apart == ["base", "slow"]
     assert control_band(run) == (1 / 1.005, 1.005)
-    assert fastest(run, ("base", "slow")) == "slow"
-    assert fastest(run) == "best"
+    assert rounds.fastest(("base", "slow")) == "slow"
+    assert rounds.fastest(list(run.throughput.ns)) == "best"
 
 
 def test_control_band_widens_with_noise() -> None:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from generator.choice import verifying, workbench
-from generator.choice.choose import found_errors
+from generator.choice.entries import found_errors
+from generator.choice.kernel import Rejected, verdict_of
 from generator.choice.workbench import Workbench
 from generator.emission.kernel_source import emit
 from generator.evidence.verification.errors import errors_of
@@ -233,22 +234,18 @@ def _verified(patterns, monkeypatch, tmp_path):
     fma = "fma" if target.has("fma") else "nofma"
     stepper = Stepper("dp54", budget=1e-4)
     variant = make_variant(target.name, "any", "pooltool", stepper, root="est1", fma=fma)
-    candidate = bench.prepare([variant], target)[0]
-    bench.compile([candidate])
-    expected = bench.expected("any", "pooltool", None, 1, 200)
-    bench.verify([candidate], expected)
-    bench.verify_at_worst([candidate], expected)
-    return candidate
+    return bench.check(bench.emit(variant, target))
 
 
 def test_a_kernel_that_holds_on_this_cpu_alone_is_rejected(monkeypatch, tmp_path):
     held = _verified(PATTERNS, monkeypatch, tmp_path)
-    assert held.verdict.passed and not held.rejected
+    assert not isinstance(held, Rejected) and held.verdict.passed
     entry = found_errors(held.verdict)
     print(entry)
     assert entry["max_rel_error"] >= entry["worst_estimate_error"] > 0
     far = tuple(replace(p, one=60 * p.one, other=60 * p.other) for p in PATTERNS[1:2])
     failed = _verified(far, monkeypatch, tmp_path)
-    print(failed.rejected)
-    assert failed.rejected.startswith("verification: with root estimates all too small: case ")
-    assert not failed.verdict.passed
+    assert isinstance(failed, Rejected)
+    print(failed.text)
+    assert failed.text.startswith("verification: with root estimates all too small: case ")
+    assert not verdict_of(failed).passed

@@ -17,6 +17,7 @@ from click.testing import CliRunner, Result
 import generator.api.session as session
 import generator.places as places
 from generator.api import read_cases
+from generator.choice.trials import Final, Trial
 from generator.cli.main import gen
 from generator.evidence.verification.reference import CASE_NAMES, load_reference
 from generator.registry.names import variant_of
@@ -32,7 +33,6 @@ from generator.report.plots import ASIDE, SIDE, Mark, side_by_side
 from generator.report.report import make_report
 from generator.report.sections.effects import Effect, effects_of, one_each
 from generator.report.sections.published import NUMBA_CYCLES
-from generator.sweep.record import Final, Trial
 from generator.sweep.store import read_only
 from tests.support.browser import ask, picture, script
 from tests.support.hosts import believe

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from generator.choice.verifying import HardCases
-from generator.choice.workbench import Candidate, Expected
+from generator.choice.kernel import Verified
+from generator.choice.verifying import Expected, HardCases
 from generator.evidence.timing.plan import TimingPlan
 from generator.evidence.verification.verdict import Verdict
 from generator.registry.variant import Stepper, make_variant
@@ -50,24 +50,38 @@ def test_batches_of_the_page_collide_what_those_of_the_table_do() -> None:
             plans.append(asked)
             raise StopIteration
 
+    class Cases:
+        def timed(self, scene: str, model: str, batches: bool) -> Any:
+            return batch if batches else None
+
     class Bench:
         tool = Tool()
+        cases = Cases()
 
-        def prepare(self, variants: Any, target: Any) -> list[Candidate]:
+        def emit_all(self, variants: Any, target: Any) -> list[Any]:
+            return list(variants)
+
+        def build_all(self, kernels: Any) -> Any:
+            return kernels
+
+        def verify_all(self, variants: Any) -> list[Verified]:
             place = Path("/nowhere/kernel.so")
             library = BuiltLibrary(place, "key", 0.5, place, hit=False)
             passed = Verdict(True, "", 1e-9, 1e-9, 10)
             return [
-                Candidate(v, None, None, (), library=library, verdict=passed)  # type: ignore[arg-type]
+                Verified(
+                    variant=v,
+                    source=None,  # type: ignore[arg-type]
+                    compiler=None,  # type: ignore[arg-type]
+                    flags=(),
+                    library=library,
+                    verdict=passed,
+                    pooltool=None,
+                )
                 for v in variants
             ]
 
-        def compile(self, candidates: Any) -> None: ...
-        def verify(self, candidates: Any, expected: Any) -> None: ...
         def progress(self, what: str, done: int, of: int) -> None: ...
-
-        def batch_cases(self, scene: str, model: str) -> Any:
-            return batch
 
     empty = np.zeros((0, 24))
     expected = Expected(

@@ -6,12 +6,11 @@ Arguments: the store and the file of records.
 from __future__ import annotations
 
 import sys
-from contextlib import nullcontext
 from pathlib import Path
 
-from generator.sweep.ledger import new_run
-from generator.sweep.record import Record
-from generator.sweep.refresh import contests_of, refresh
+from generator.choice.trials import Record
+from generator.sweep.ledger import Ledger, new_run
+from generator.sweep.refresh import add_exported, contests_of, refresh
 from generator.sweep.store import opened
 from tests.support.sweep_lab import FakeLab, plan
 
@@ -34,12 +33,10 @@ def main() -> None:
         refresh(
             ASKED,
             MODELS,
-            lambda model: nullcontext(lab),
-            store,
-            lambda _lab: run,
-            Path(sys.argv[2]),
+            lab,
+            Ledger(store, run),
             lambda progress: None,
-            print,
+            lambda model: print(add_exported(store, "zen3", Path(sys.argv[2]), print)),
         )
 
 

@@ -7,11 +7,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
+from generator.choice.trials import (
+    Depends,
+    Errors,
+    Final,
+    Finalist,
+    Rejection,
+    Run,
+    Subject,
+    Times,
+    Trial,
+    name_of_contest,
+    trial_key,
+)
 from generator.evidence.profiling.counting import KINDS
 from generator.evidence.profiling.sections import SECTIONS
 from generator.evidence.timing.ratios import TimingResult
 from generator.evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
 from generator.registry.names import name_of
+from generator.registry.question import DEFAULT_IMPACT, Contest, Goal
 from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
 from generator.report.experiments.subjects import BASELINE, BEST, EULER, role_of_budget
 from generator.report.findings import (
@@ -27,18 +41,7 @@ from generator.report.findings import (
     WorstInput,
     sources_hash,
 )
-from generator.sweep.record import (
-    Depends,
-    Errors,
-    Final,
-    Finalist,
-    Rejection,
-    Run,
-    Times,
-    Trial,
-    trial_key,
-)
-from generator.sweep.space import Contest, Space
+from generator.sweep.space import Space
 from generator.sweep.store import opened
 from generator.targets.target import find_target
 
@@ -64,16 +67,17 @@ def ratio_of(variant: Variant) -> float:
 
 
 def _contests(target: str) -> list[Contest]:
-    goals = [(1000, None, "scalar"), (None, 1e-3, "scalar"), (None, 1e-6, "scalar")]
-    goals += [(1000, None, "batch")]
-    return [Contest(target, SCENE, MODEL, steps, budget, call) for steps, budget, call in goals]
+    fixed, goals = Goal(steps=1000), (Goal(budget=1e-3), Goal(budget=1e-6))
+    held = (DEFAULT_IMPACT, target, SCENE, MODEL)
+    singles = [Contest(*held, goal, "scalar") for goal in (fixed, *goals)]
+    return [*singles, Contest(*held, fixed, "batch")]
 
 
 def _variants(contest: Contest, count: int, random: Random) -> list[Variant]:
     compilers = ("gcc", "clang", "clangold")
     space = Space(contest, find_target(contest.target), compilers, (1,), {})
-    rows = list(space.everything()) if contest.steps is None else []
-    if contest.steps is not None:
+    rows = list(space.everything()) if contest.goal.steps is None else []
+    if contest.goal.steps is not None:
         start = make_variant(contest.target, SCENE, MODEL, fixed_steps(1000))
         start = start.with_options(flags="strict")
         found = {name_of(start): start}
@@ -125,7 +129,7 @@ def _errors(variant: Variant, random: Random) -> Errors:
 
 
 def _trial(run: Run, contest: Contest, variant: Variant, random: Random, rejected: bool) -> Trial:
-    subject = contest.subject(variant)
+    subject = Subject.of(variant)
     depends = Depends(
         source=name_of(variant),
         compiler=f"{variant['compiler']} 1",
@@ -169,11 +173,11 @@ def _final(run: Run, contest: Contest, trials: list[Trial]) -> Final:
         for n, t in enumerate(best)
     )
     return Final(
-        key=contest.name,
+        key=name_of_contest(contest),
         run=run.id,
         made_at=AT,
         machine="made-up",
-        contest=contest.name,
+        contest=name_of_contest(contest),
         purpose="choice",
         chosen=best[0].subject.name,
         fastest=best[0].subject.name,
@@ -203,7 +207,7 @@ def make_store(path: Path, target: str, count: int, seed: int = 1) -> MadeStore:
     records: list[Run | Trial | Final] = [run]
     rejected = 0
     for contest in _contests(target):
-        wanted = count // 2 if contest.steps else 60
+        wanted = count // 2 if contest.goal.steps else 60
         trials = []
         for n, variant in enumerate(_variants(contest, wanted, random)):
             trials.append(_trial(run, contest, variant, random, n % 9 == 8))
@@ -228,7 +232,6 @@ def _kernel(role: str, variant: Variant, random: Random) -> KernelFindings:
         budget=variant.stepper.budget,
         timed=TimingResult(
             name=name_of(variant),
-            tie=False,
             ns=ratio * NS,
             cycles=ratio * NS * 2.1,
             ratio=ratio,
@@ -339,7 +342,6 @@ def make_findings(target: str, seed: int = 1) -> Findings:
                     ratio=1.0 / width,
                     ratio_ci=(0.99 / width, 1.01 / width),
                     latency_ns=None,
-                    tie=False,
                 ),
             )
             for width in (1, 4)

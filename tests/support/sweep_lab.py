@@ -10,19 +10,19 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from generator.choice.workbench import Candidate
+from generator.choice.kernel import Code, Emitted, Rejected, Verified
+from generator.choice.trials import Rejection, Rules
+from generator.choice.workbench import TimingJob
 from generator.emission.kernel_source import KernelSource
 from generator.evidence.records.code import source_hash
 from generator.evidence.verification.verdict import Verdict
 from generator.lowering.counts import OperationCounts
 from generator.registry.axes import axis
 from generator.registry.names import name_of, source_name_of
+from generator.registry.question import Contest, Goal
 from generator.registry.variant import Variant
 from generator.sweep.explore import Progress
 from generator.sweep.ledger import Ledger, new_run
-from generator.sweep.record import Rejection
-from generator.sweep.space import Contest
-from generator.sweep.station import Code, Rules, TimingJob
 from generator.sweep.store import ResultStore
 from generator.sweep.sweep import Outcome, Plan, run_sweep
 from generator.targets.target import find_target
@@ -30,10 +30,11 @@ from generator.toolchain.build import BuiltLibrary
 from generator.toolchain.compilers import Compiler
 
 ZEN3 = find_target("zen3")
-FIXED = Contest("zen3", "any", "pooltool", 1000, None, "scalar")
-BATCH = Contest("zen3", "any", "pooltool", 1000, None, "batch")
-EXACT = Contest("zen3", "any", "pooltool", None, 1e-6, "scalar")
-EXACT_BATCH = Contest("zen3", "any", "pooltool", None, 1e-6, "batch")
+HELD = ("ball-ball", "zen3", "any", "pooltool")
+FIXED = Contest(*HELD, Goal(steps=1000), "scalar")
+BATCH = Contest(*HELD, Goal(steps=1000), "batch")
+EXACT = Contest(*HELD, Goal(budget=1e-6), "scalar")
+EXACT_BATCH = Contest(*HELD, Goal(budget=1e-6), "batch")
 
 Refuse = Callable[[Variant], Rejection | None]
 
@@ -82,32 +83,35 @@ class FakeLab:
         self._random, self._noise = random.Random(seed), noise
         self._refuse, self._speed, self._seconds = refuse, speed, seconds
 
-    def rules(self, steps: int | None, batches: bool) -> Rules:
-        return Rules(cases=f"cases {steps} {batches}", rules="rules", bench="bench")
+    def rules(self, contest: Contest) -> Rules:
+        cases = f"cases {contest.goal.steps} {contest.batches}"
+        return Rules(self.cpu, contest.call, cases=cases, rules="rules", bench="bench")
 
     def code(self, variant: Variant) -> Code:
         source = source_hash(made_up_source(variant))
         return Code(source, self.compilers["gcc"], (variant["flags"],))
 
-    def candidate(self, variant: Variant) -> Candidate:
+    def emit(self, variant: Variant) -> Emitted:
         compiler = Compiler("gcc", "/usr/bin/g++", self.compilers["gcc"], 12)
-        return Candidate(variant, made_up_source(variant), compiler, (variant["flags"],))
+        source, flags = made_up_source(variant), (variant["flags"],)
+        return Emitted(variant=variant, source=source, compiler=compiler, flags=flags)
 
-    def build(
-        self, candidates: Sequence[Candidate]
-    ) -> Iterator[tuple[Candidate, Rejection | None]]:
-        for candidate in candidates:
-            rejection = self._refuse(candidate.variant)
-            if rejection is None or rejection.reason != "compile":
-                place = Path("/nowhere/kernel.so")
-                candidate.library = BuiltLibrary(place, "key", 0.5, place, hit=False)
-                candidate.verdict = Verdict(rejection is None, "made up", 1e-10, 1e-11, 10)
-            yield candidate, rejection
+    def build(self, kernels: Sequence[Emitted]) -> Iterator[tuple[Emitted, Verified | Rejected]]:
+        for kernel in kernels:
+            rejection, place = self._refuse(kernel.variant), Path("/nowhere/kernel.so")
+            verdict = Verdict(rejection is None, "made up", 1e-10, 1e-11, 10)
+            built = kernel.built(BuiltLibrary(place, "key", 0.5, place, hit=False))
+            made = built.verified(verdict)
+            if rejection is None:
+                yield kernel, made
+            else:
+                known = kernel if rejection.reason == "compile" else made
+                yield kernel, Rejected(known, rejection.reason, rejection.text)
 
     def time(self, job: TimingJob) -> dict[str, Any]:
         time.sleep(self._seconds)
-        self.timed.append(tuple(c.name for c in job.candidates))
-        kernels = [self._series(c.name, self._ratio(c, job), job.rounds) for c in job.candidates]
+        self.timed.append(tuple(c.name for c in job.kernels))
+        kernels = [self._series(c.name, self._ratio(c, job), job.rounds) for c in job.kernels]
         throughput = {"kernels": kernels, "control": self._series("control", 1.0, job.rounds)}
         return {
             "throughput": throughput,
@@ -119,8 +123,8 @@ class FakeLab:
             "cpu": 0,
         }
 
-    def _ratio(self, candidate: Candidate, job: TimingJob) -> float:
-        return 1.0 if candidate is job.baseline else self._speed(candidate.variant)
+    def _ratio(self, candidate: Emitted, job: TimingJob) -> float:
+        return 1.0 if candidate.name == job.baseline.name else self._speed(candidate.variant)
 
     def _series(self, name: str, ratio: float, rounds: int) -> dict[str, Any]:
         ns = [1e4 * ratio * math.exp(self._random.gauss(0, self._noise)) for _ in range(rounds)]

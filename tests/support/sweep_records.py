@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from generator.sweep.record import Depends, Errors, Subject, Times, Trial, trial_key
+from generator.choice.trials import Depends, Errors, Subject, Times, Trial, trial_key
 
 DEPENDS = Depends(
     source="5" * 32,

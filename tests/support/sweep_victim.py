@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from generator.sweep.record import Record
+from generator.choice.trials import Record
 from generator.sweep.store import opened
 from tests.support.sweep_lab import FIXED, FakeLab, plan, swept
 

@@ -11,11 +11,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from generator.api import Session
+from generator.choice.trials import Trial
 from generator.cli.main import gen
 from generator.evidence.records.files import read_records, timings_path
 from generator.registry.names import variant_of
 from generator.sweep.exporting import exported
-from generator.sweep.record import Trial
 from generator.sweep.store import opened, read_only
 from tests.support.sweep_lab import BATCH, EXACT, FIXED, FakeLab, plan, swept
 from tests.sweep.test_sweep_kills import run_and_kill

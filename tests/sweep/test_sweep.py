@@ -18,21 +18,23 @@ import pytest
 
 import generator.registry.axes as axes_module
 from generator.api import Swept
+from generator.choice.seeds import steppers_of
+from generator.choice.trials import Final, Rejection, Run
+from generator.choice.workbench import TimingJob
 from generator.cli.interrupts import kept
 from generator.cli.watch import say_outcomes
 from generator.errors import InputError, KernelCrash
 from generator.evidence.records.evidence import NEGLIGIBLE, read_timings
 from generator.registry.axes import Axis, Choice, axes_of
 from generator.registry.names import name_of
+from generator.registry.question import Contest
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Variant
-from generator.sweep.finals import beaten_by, row_of
+from generator.sweep.finals import beaten_by
 from generator.sweep.ladder import KEPT, RUNGS, Entry, finalists, promoted
 from generator.sweep.recheck import verify_choice
-from generator.sweep.record import Final, Rejection, Run
 from generator.sweep.search import Search
-from generator.sweep.space import Contest, Space, parse_only, variant_of_subject
-from generator.sweep.station import TimingJob
+from generator.sweep.space import Space, parse_only
 from generator.sweep.store import opened
 from generator.sweep.sweep import explorations
 from tests.support.kernels import ROOT
@@ -70,7 +72,7 @@ def space(only: dict[str, tuple[str, ...]]) -> Space:
 
 def chosen(final: Final | None) -> Variant:
     assert final is not None
-    return variant_of_subject(row_of(final, final.chosen).subject)
+    return final.row(final.chosen).subject.variant()
 
 
 # ---- what is tried ---------------------------------------------------------------------------
@@ -97,7 +99,7 @@ def test_a_search_tries_legal_variants_only_each_once_and_every_option(tmp_path:
     with opened(tmp_path / "s.sqlite") as store:
         swept(store, FakeLab(), plan(FIXED, trials=100))
         trials = [t for t in store.trials() if t.rung == 0 and t.depends is not None]
-    variants = [variant_of_subject(t.subject) for t in trials]
+    variants = [t.subject.variant() for t in trials]
     assert len({name_of(v) for v in variants}) == len(variants) == 100
     assert all(broken_rule(v, ZEN3) is None for v in variants)
     seen = {pair for v in variants for pair in v.options}
@@ -113,8 +115,9 @@ def test_a_sweep_of_batches_begins_with_the_widest_lanes(contest: Contest, tmp_p
         [outcome], _ = swept(store, FakeLab(), plan(contest, trials=6))
     tried = [e.variant for e in outcome.exploration.entries.values()]
     widths = Counter((v.stepper.name, v.width) for v in tried)
-    print(f"{contest.name}: {dict(widths)}")
-    assert {name for name, width in widths if width == 4} == {s.name for s in contest.steppers()}
+    print(f"{contest}: {dict(widths)}")
+    steppers = {stepper.name for stepper in steppers_of(contest.goal)}
+    assert {name for name, width in widths if width == 4} == steppers
     assert sum(n for (_, width), n in widths.items() if width == 4) >= len(tried) / 2
 
 
@@ -240,7 +243,7 @@ def test_the_chosen_kernels_illegal_neighbours_are_kept_with_the_rule(tmp_path: 
     assert len({t.key for t in found}) == len(found) > 0
     for trial in found:
         assert trial.rejection is not None and trial.rejection.reason == "constraint"
-        rule = broken_rule(variant_of_subject(trial.subject), ZEN3)
+        rule = broken_rule(trial.subject.variant(), ZEN3)
         assert rule is not None and trial.rejection.text == f"{rule.name}: {rule.reason}"
 
 
@@ -268,7 +271,7 @@ def test_a_contest_of_batches_varies_lanes_and_not_the_loop_of_single_calls(
     with opened(tmp_path / "s.sqlite") as store:
         asked = plan(BATCH, exhaustive=True)
         [outcome], _ = swept(store, FakeLab(), asked)
-        tried = [variant_of_subject(t.subject) for t in store.trials() if t.rung == 0 and t.depends]
+        tried = [t.subject.variant() for t in store.trials() if t.rung == 0 and t.depends]
     axes = axes_of("fixed", 4)
     seen = {axis.key: {v[axis.key] for v in tried} for axis in axes}
     print({key: sorted(codes) for key, codes in seen.items() if len(codes) > 1})
@@ -297,7 +300,7 @@ def test_no_finalist_is_faster_than_the_fastest_in_the_same_rounds(tmp_path: Pat
     assert outcome.final is not None
     least = min(row.to_fastest for row in outcome.final.finalists)
     print(f"{len(outcome.final.finalists)} finalists, the least ratio to the fastest is {least}")
-    assert least == 1.0 == row_of(outcome.final, outcome.final.fastest).to_fastest
+    assert least == 1.0 == outcome.final.row(outcome.final.fastest).to_fastest
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -341,9 +344,9 @@ def test_of_ties_the_fewest_options_from_the_default_are_chosen(
         [outcome], _ = swept(store, lab, plan(FIXED, only=SMALLER, exhaustive=True))
     final = outcome.final
     assert final is not None
-    fastest = row_of(final, final.fastest)
+    fastest = final.row(final.fastest)
     assert fastest.subject.options["rsqrt"] == "ahead"
-    own = row_of(final, final.chosen)
+    own = final.row(final.chosen)
     assert own.tie and own.to_fastest <= NEGLIGIBLE
     assert own.distance == min(row.distance for row in final.finalists if row.tie)
     assert any(row.subject.options["rsqrt"] != "ahead" for row in final.finalists if row.tie)
@@ -473,8 +476,8 @@ def test_a_finalist_that_ends_the_final_is_left_out_of_it(tmp_path: Path) -> Non
         """The fastest kernel crashes when it has been timed often."""
 
         def time(self, job: TimingJob) -> dict[str, Any]:
-            bad = [c for c in job.candidates if c.variant["rsqrt"] == "ahead"]
-            if bad and (len(job.candidates) > 2 or self.crashed):
+            bad = [c for c in job.kernels if c.variant["rsqrt"] == "ahead"]
+            if bad and (len(job.kernels) > 2 or self.crashed):
                 self.crashed = True
                 raise KernelCrash("crashed with SIGSEGV")
             return super().time(job)
@@ -535,11 +538,11 @@ def test_a_space_without_a_legal_variant_is_refused(tmp_path: Path) -> None:
 
 
 def test_the_page_names_every_field_of_the_records() -> None:
-    from generator.sweep import record
+    from generator.choice import trials
 
     page = (Path(__file__).parents[2] / "docs" / "sweep.md").read_text("utf-8")
     names = ("Run", "Trial", "Final", "Depends", "Subject", "Errors", "Times", "Rejection")
-    models = [getattr(record, name) for name in (*names, "Finalist")]
+    models = [getattr(trials, name) for name in (*names, "Finalist")]
     fields = {field for model in models for field in model.model_fields} - {"kind"}
     missing = {field for field in fields if f"`{field}`" not in page}
     print(f"{len(fields)} fields, not on the page: {sorted(missing)}")
@@ -599,7 +602,7 @@ def test_what_was_fastest_on_the_cpu_before_is_tried_first(tmp_path: Path) -> No
         lab = FakeLab()
         asked = plan(FIXED, trials=8, only={"compiler": ("gcc",)}, timings=timings)
         swept(store, lab, asked)
-    first = timings.fastest(FIXED.everywhere, "zen3", 6)
+    first = timings.fastest(FIXED, 6)
     gcc = [name_of(v) for v in first if v["compiler"] == "gcc"]
     print(gcc)
     assert gcc and [kernels[1] for kernels in lab.timed[: len(gcc)]] == gcc

@@ -26,9 +26,8 @@ from generator.cli.main import gen
 from generator.errors import InputError
 from generator.evidence.timing.bench_tool import build_bench_tool
 from generator.places import cache_folder
+from generator.registry.question import Contest, Goal
 from generator.sweep.cluster import BUILD_SHARE, ClusterLab
-from generator.sweep.space import Contest
-from generator.sweep.station import Station
 from generator.sweep.store import opened
 from generator.sweep.worker import resource_of
 from generator.targets.host import read_host
@@ -37,7 +36,7 @@ from tests.support.cluster_worker import told
 from tests.support.kernels import ROOT
 from tests.support.sweep_lab import ZEN3, plan, swept
 
-CONTEST = Contest("zen3", "any", "pooltool", 100, None, "scalar")
+CONTEST = Contest("ball-ball", "zen3", "any", "pooltool", Goal(steps=100), "scalar")
 FEW = {
     "state": ("reduced",),
     "store": ("named",),
@@ -121,8 +120,7 @@ def pool(tmp_path: Path) -> Iterator[Pool]:
 def lab(pool: Pool, patience: float = 30.0) -> ClusterLab:
     folder, compilers = cache_folder(), {c.code: c for c in find_compilers()}
     bench = Workbench(build_bench_tool(folder), folder, compilers)
-    station = Station(bench, CONTEST.scene, CONTEST.model)
-    return ClusterLab(pool.client, station, ZEN3, patience, told)
+    return ClusterLab(pool.client, bench, ZEN3, patience, told)
 
 
 def tried(path: Path) -> Counter[str]:

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import pytest
 
+from generator.choice.trials import Trial
 from generator.evidence.records.code import digest
 from generator.registry.names import name_of
-from generator.sweep.record import Trial
 from generator.sweep.space import Space
 from generator.sweep.store import read_only
 from generator.targets.host import read_host

@@ -16,19 +16,20 @@ import pytest
 from click.testing import CliRunner
 
 import generator.registry.axes as axes_module
+from generator.choice.kernel import Code, Emitted
 from generator.choice.selection import read_selection
-from generator.choice.workbench import Candidate, Workbench
+from generator.choice.trials import Final
+from generator.choice.verifier import A_STEP
+from generator.choice.workbench import Workbench
 from generator.cli.main import gen
 from generator.emission.kernel_source import emit
 from generator.errors import EmissionError
 from generator.evidence.records.code import source_hash
 from generator.evidence.timing.bench_tool import build_bench_tool
 from generator.places import cache_folder
+from generator.registry.question import Contest, Goal
 from generator.registry.variant import Variant, fixed_steps, make_variant
-from generator.sweep.lab import LocalLab
-from generator.sweep.record import Final
-from generator.sweep.space import Contest
-from generator.sweep.station import Code, Station
+from generator.sweep.lab import Lab
 from generator.sweep.store import opened, read_only
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -38,7 +39,7 @@ from tests.support.sweep_lab import plan, swept
 from tests.sweep.test_sweep import COLOUR
 
 TARGET = find_target("x86-64-v3")
-CONTEST = Contest(TARGET.name, "any", "pooltool", 100, None, "scalar")
+CONTEST = Contest("ball-ball", TARGET.name, "any", "pooltool", Goal(steps=100), "scalar")
 ONE = {
     "state": "reduced",
     "store": "named",
@@ -66,17 +67,16 @@ needs_host = pytest.mark.skipif(
 )
 
 
-class SabotagedLab(LocalLab):
+class SabotagedLab(Lab):
     """Some kernels are made to fail, each in its way."""
 
     def code(self, variant: Variant) -> Code:
-        candidate = self.candidate(variant)
-        return Code(source_hash(candidate.source), candidate.compiler.version, candidate.flags)
+        return self.emit(variant).code
 
-    def candidate(self, variant: Variant) -> Candidate:
+    def emit(self, variant: Variant) -> Emitted:
         if variant["rsqrt"] == "div" and variant["flags"] == "strict":
             raise EmissionError("a bug of the generator")
-        candidate, bad = super().candidate(variant), BROKEN.get(variant["rsqrt"])
+        candidate, bad = super().emit(variant), BROKEN.get(variant["rsqrt"])
         if bad is None or variant["flags"] != "strict":
             return candidate
         text = candidate.source.source
@@ -93,10 +93,9 @@ def test_a_kernel_that_crashes_or_hangs_or_errs_is_rejected_and_the_sweep_goes_o
         pytest.skip("x86-64-v3 does not run here")
     folder, compilers = cache_folder(), {c.code: c for c in find_compilers()}
     bench = Workbench(build_bench_tool(folder), folder, compilers, fresh=True)
-    station = Station(bench, "any", "pooltool")
-    station.expected(100)
-    bench.kernel_timeout = 3.0
-    lab = SabotagedLab(station, TARGET)
+    bench.cases.expected("any", "pooltool", 100)
+    lab = SabotagedLab(bench, TARGET)
+    bench.verifier.patience = 3.0 - 100 * A_STEP
     only = {key: (code,) for key, code in ONE.items()}
     only = {**only, "rsqrt": ("div", *BROKEN, "ahead"), "branch": ("chosen", "nested")}
     asked = replace(plan(CONTEST, only=only, exhaustive=True), target=TARGET)

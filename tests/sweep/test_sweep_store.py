@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from generator.choice.trials import Trial, trial_key
 from generator.errors import InputError
 from generator.evidence.records.code import digest
-from generator.sweep.record import Trial, trial_key
 from generator.sweep.store import merge, opened, read_only
 from tests.support.sweep_records import DEPENDS, trial
 

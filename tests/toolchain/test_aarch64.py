@@ -3,14 +3,17 @@
 import numpy as np
 import pytest
 
-from generator.choice import batches, job
-from generator.choice.choose import Choice, selected
-from generator.choice.workbench import Candidate, Workbench
+from generator.choice import seeds
+from generator.choice.entries import selected
+from generator.choice.job import Held, hold, hold_batches
+from generator.choice.kernel import Estimated
+from generator.choice.workbench import Workbench
 from generator.emission.kernel_source import emit
 from generator.evidence.timing.emulated import EmulatedRunner, emulated_runner
 from generator.evidence.verification.euler import euler_verdict
 from generator.evidence.verification.exact import exact_verdict
 from generator.evidence.verification.reference import load_reference
+from generator.registry.question import Contest, Goal
 from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -117,9 +120,7 @@ def test_a_recorded_kernel_computes_what_it_does_without(runner, compiler, tmp_p
     if compiler not in COMPILERS:
         pytest.skip(f"no {compiler}")
     tools = Workbench(bench_tool(), CACHE.parent, COMPILERS, emulated=runner)
-    made = tools.prepare([exact_variant(compiler)], TARGET)[0]
-    tools.compile([made])
-    assert made.library is not None, made.rejected
+    made = tools.built(exact_variant(compiler), TARGET)
     probe = {"probe.cpp": made.sources["probe.cpp"]}
     rest = {k: v for k, v in made.sources.items() if k not in probe}
     kernel = traced(rest, probe, made.compiler, made.flags, made.name, TARGET.row.arch)
@@ -131,35 +132,34 @@ def test_a_recorded_kernel_computes_what_it_does_without(runner, compiler, tmp_p
     assert 200 < each < 20_000
 
 
-def judged(runner: EmulatedRunner, monkeypatch) -> tuple[Workbench, Candidate, Choice]:
+def judged(runner: EmulatedRunner, monkeypatch) -> tuple[Workbench, Held]:
     """The main job for 1e-6, with two candidates instead of twenty."""
     two = [exact_variant("gcc"), exact_variant("gcc", "dop853")]
-    monkeypatch.setattr(job, "exact_candidates", lambda *_: two)
+    monkeypatch.setattr(seeds, "exact_candidates", lambda *_: two)
     tools = bench(runner)
-    arguments = (tools, TARGET, read_host(), "any", "mathavan2014", 1.0)
-    _, first, choice = job.exact_job(1e-6)(*arguments)
-    return tools, first, choice
+    asked = Contest("ball-ball", TARGET.name, "any", "mathavan2014", Goal(budget=1e-6), "scalar")
+    return tools, hold(tools, asked, read_host(), 1.0)
 
 
 def test_exact_kernels_are_chosen_by_what_they_execute_under_emulation(runner, monkeypatch):
     """Single calls and lanes; verified there, and never timed."""
     if find_mca() is None:
         pytest.skip("no llvm-mca on this machine")
-    tools, first, choice = judged(runner, monkeypatch)
-    found = batches.batch_job(tools, TARGET, read_host(), "any", first, choice.chosen, 1.0)
+    tools, singles = judged(runner, monkeypatch)
+    choice, found = singles.choice, hold_batches(tools, singles, read_host(), 1.0)
     assert found is not None
-    for name, made in (("single", choice), ("batch", found[2])):
-        chosen, entry = made.chosen, selected(made, first)
-        assert chosen.modelled is not None and chosen.verdict is not None
+    for name, made in (("single", choice), ("batch", found.choice)):
+        chosen, entry = made.chosen, selected(made)
+        assert isinstance(chosen, Estimated) and chosen.model is not None
         print(
-            f"{name}: {chosen.name}, {chosen.modelled.cycles:.0f} cycles a collision by llvm-mca "
-            f"for {chosen.modelled.cpu}; {chosen.verdict.reason}"
+            f"{name}: {chosen.name}, {chosen.model.cycles:.0f} cycles a collision by llvm-mca "
+            f"for {chosen.model.cpu}; {chosen.verdict.reason}"
         )
         assert entry.chosen_by == "llvm-mca" and entry.measured_on == TARGET.row.mca_cpu
         assert entry.goal.budget == 1e-6 and entry.max_rel_error <= 1e-6
-        assert entry.ratio_ci is None and chosen.timing is None
+        assert entry.ratio_ci is None
         assert entry.ratio_to_baseline is not None and 0 < entry.ratio_to_baseline < 0.2
-        assert chosen.modelled.cases > 0 and chosen.verdict.cases > 1000
+        assert chosen.model.cases > 0 and chosen.verdict.cases > 1000
     assert choice.chosen.variant.stepper.name == "dp54"
-    lanes = found[2].chosen.variant
+    lanes = found.choice.chosen.variant
     assert lanes.width == {"own": 2, "float": 4}[lanes["numbers"]]

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from generator.choice import modelling
-from generator.choice.workbench import Candidate, Workbench
+from generator.choice.kernel import Emitted
+from generator.choice.workbench import Workbench
 from generator.errors import KernelError
 from generator.evidence.verification.errors import Array
 from generator.registry.presets import find_preset
@@ -47,8 +48,8 @@ def bench() -> Workbench:
     return Workbench(bench_tool(), CACHE.parent, {c.code: c for c in find_compilers()})
 
 
-def candidate(variant: Variant) -> Candidate:
-    return bench().prepare([variant], find_target(TARGET))[0]
+def candidate(variant: Variant) -> Emitted:
+    return bench().emit(variant, find_target(TARGET))
 
 
 def some_cases(count: int) -> Array:
@@ -89,15 +90,14 @@ def test_a_recorded_kernel_computes_what_it_does_without(kind: str, code: str, t
     library, trace, cases = build(kernel.job, CACHE), tmp_path / "trace", some_cases(50)
     steps = None if kind == "exact" else 20
     got = bench_tool().run_kernel(library.path, cases, steps=steps, trace=trace)
-    bench().compile([made])
-    assert made.library is not None, made.rejected
-    plain = bench_tool().run_kernel(made.library.path, cases, steps=steps)
+    whole = bench().built(made.variant, find_target(TARGET)).library.path
+    plain = bench_tool().run_kernel(whole, cases, steps=steps)
     assert np.array_equal(got, plain)
     each = len(kernel.instructions(trace)) / len(cases)
     print(f"{kind} {code}: {each:.0f} instructions a collision")
     assert 200 < each < 20_000
     with pytest.raises(KernelError, match="carom_trace"):
-        bench_tool().run_kernel(made.library.path, cases, trace=trace)
+        bench_tool().run_kernel(whole, cases, trace=trace)
 
 
 def cycles_of(variant: Variant, count: int = 32) -> float:

@@ -103,11 +103,12 @@ class Timings:
         found = [Found(r, () if other else r.basis.changed(now), other) for r in records]
         return min(found, key=_telling, default=None)
 
-    def fastest(self, contest: Contest, target: str, most: int) -> list[Variant]:
-        """Kernels of a target's fastest recipes, for any scene or contact model of the contest."""
-        nearest = self.nearest(target, contest)
-        found = self.contest(target, nearest) if nearest is not None else {}
-        return [_moved(kernel, contest, target) for kernel in list(found)[:most]]
+    def fastest(self, contest: Contest, most: int) -> list[Variant]:
+        """Kernels of the target's fastest recipes, for any scene or contact model of a contest."""
+        cpu = contest.target
+        nearest = self.nearest(cpu, contest.everywhere)
+        found = self.contest(cpu, nearest) if nearest is not None else {}
+        return [_moved(kernel, contest, cpu) for kernel in list(found)[:most]]
 
     def winners(self, cpu: str, contest: Contest) -> list[Variant]:
         """Kernels within 2 % of the fastest, the fastest first."""

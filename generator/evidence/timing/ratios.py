@@ -1,8 +1,8 @@
-"""Ratios, intervals and ties out of the rounds of a timing."""
+"""Ratios and intervals out of the rounds of a timing."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,7 +31,6 @@ class TimingResult:
     ratio: float  # median of time / baseline's time in the same round
     ratio_ci: Interval
     latency_ns: float | None  # each collision fed by the last
-    tie: bool  # with the fastest
     seed_ns: float | None = None  # on the seed cases
 
 
@@ -122,21 +121,6 @@ def timing_run(document: dict[str, Any]) -> TimingRun:
         raise KernelError(f"the timing's result is not complete: {error}") from None
 
 
-def joined(runs: Sequence[TimingRun]) -> TimingRun:
-    """The rounds of several timings of the same kernels one after the other, throughput alone."""
-    first = runs[0]
-    throughput = Measurement(
-        ns={n: np.concatenate([r.throughput.ns[n] for r in runs]) for n in first.throughput.ns},
-        ticks={
-            n: np.concatenate([r.throughput.ticks[n] for r in runs]) for n in first.throughput.ticks
-        },
-        control=np.concatenate([r.throughput.control for r in runs]),
-    )
-    rounds = sum(run.rounds for run in runs)
-    quiet = sum(run.quiet * run.rounds for run in runs) / rounds
-    return TimingRun(first.baseline, rounds, throughput, None, None, first.tsc_ghz, -1, quiet=quiet)
-
-
 def control_band(run: TimingRun) -> Interval:
     """The A/A control: ratios that the baseline has to itself, at least 0.5 % to either side.
 
@@ -147,21 +131,9 @@ def control_band(run: TimingRun) -> Interval:
     return 1 / (1 + width), 1 + width
 
 
-def _ties_with(run: TimingRun, name: str, best: str) -> bool:
-    ratios = run.throughput.ns[name] / run.throughput.ns[best]
-    low, high = control_band(run)
-    ci_low, ci_high = median_interval(ratios)
-    return low <= float(np.median(ratios)) <= high or ci_low <= 1 <= ci_high
-
-
-def ties(run: TimingRun, best: str, among: Iterable[str] | None = None) -> tuple[str, ...]:
-    """Kernels that cannot be told from `best`, itself included, in the plan's order.
-
-    They are those whose ratio to it in the same rounds lies within the A/A band, or whose interval
-    of that ratio includes 1. `among`: the only ones that count, as those that passed.
-    """
-    names = set(run.throughput.ns if among is None else among)
-    return tuple(n for n in run.throughput.ns if n in names and _ties_with(run, n, best))
+def ratio_between(run: TimingRun, name: str, other: str) -> float:
+    """The median ratio of two kernels' times in the same rounds."""
+    return float(np.median(run.throughput.ns[name] / run.throughput.ns[other]))
 
 
 def _median(measurement: Measurement | None, name: str) -> float | None:
@@ -170,7 +142,7 @@ def _median(measurement: Measurement | None, name: str) -> float | None:
     return float(np.median(measurement.ns[name]))
 
 
-def _result(run: TimingRun, name: str, tie: bool) -> TimingResult:
+def _result(run: TimingRun, name: str) -> TimingResult:
     ratios = run.throughput.ns[name] / run.throughput.ns[run.baseline]
     return TimingResult(
         name=name,
@@ -179,19 +151,10 @@ def _result(run: TimingRun, name: str, tie: bool) -> TimingResult:
         ratio=float(np.median(ratios)),
         ratio_ci=median_interval(ratios),
         latency_ns=_median(run.latency, name),
-        tie=tie,
         seed_ns=_median(run.seed_cases, name),
     )
 
 
-def fastest(run: TimingRun, among: Iterable[str] | None = None) -> str:
-    """The kernel with the lowest median ratio to the baseline."""
-    base = run.throughput.ns[run.baseline]
-    names = list(run.throughput.ns if among is None else among)
-    return min(names, key=lambda name: float(np.median(run.throughput.ns[name] / base)))
-
-
 def timing_results(run: TimingRun) -> tuple[TimingResult, ...]:
     """A result for each kernel, in the plan's order."""
-    tied = ties(run, fastest(run))
-    return tuple(_result(run, name, name in tied) for name in run.throughput.ns)
+    return tuple(_result(run, name) for name in run.throughput.ns)

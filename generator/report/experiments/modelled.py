@@ -7,10 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from typing import Any
 
+from ...choice.kernel import Emitted
 from ...choice.modelling import modelled as replayed
-from ...choice.store import key_of
-from ...choice.workbench import Candidate, Workbench
+from ...choice.workbench import Workbench
 from ...errors import InputError, KernelError
+from ...evidence.records.code import key_of
 from ...evidence.verification.errors import Array
 from ...registry.rules import broken_rule
 from ...registry.variant import Variant
@@ -31,14 +32,14 @@ def modelled(bench: Workbench, variant: Variant, host: Host, cases: Array) -> tu
     """
     prepared = [(target, *_prepared(bench, variant, target)) for target in targets().values()]
 
-    def one(row: tuple[Target, Candidate | None, str]) -> Modelled:
+    def one(row: tuple[Target, Emitted | None, str]) -> Modelled:
         return _modelled(bench, *row, host, cases[:REPLAYED])
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         return tuple(pool.map(one, prepared))
 
 
-def _prepared(bench: Workbench, variant: Variant, target: Target) -> tuple[Candidate | None, str]:
+def _prepared(bench: Workbench, variant: Variant, target: Target) -> tuple[Emitted | None, str]:
     """The variant for a target, or why there is none; by Clang where its own compiler cannot."""
     own = variant.moved(target=target.name)
     if not target.has("fma"):
@@ -50,7 +51,7 @@ def _prepared(bench: Workbench, variant: Variant, target: Target) -> tuple[Candi
         if code not in bench.compilers:
             continue
         try:
-            (candidate,) = bench.prepare([own.with_options(compiler=code)], target)
+            candidate = bench.emit(own.with_options(compiler=code), target)
         except (KernelError, InputError, ValueError) as error:
             reason = reason or str(error)
         else:
@@ -61,7 +62,7 @@ def _prepared(bench: Workbench, variant: Variant, target: Target) -> tuple[Candi
 def _modelled(
     bench: Workbench,
     target: Target,
-    candidate: Candidate | None,
+    candidate: Emitted | None,
     reason: str,
     host: Host,
     cases: Array,
@@ -83,7 +84,7 @@ def _modelled(
 
 
 def _replayed(
-    bench: Workbench, candidate: Candidate, target: Target, host: Host, cases: Array
+    bench: Workbench, candidate: Emitted, target: Target, host: Host, cases: Array
 ) -> float:
     """Cycles of a mean collision: what runs here, replayed on the target."""
     if not host.runs(target):
@@ -91,7 +92,7 @@ def _replayed(
     return replayed(bench, candidate, target, cases).cycles
 
 
-def _loop_figures(bench: Workbench, candidate: Candidate, target: Target) -> dict[str, Any]:
+def _loop_figures(bench: Workbench, candidate: Emitted, target: Target) -> dict[str, Any]:
     """Of the marked loop, from the store or made now."""
     compiler, flags = candidate.compiler, candidate.flags
     sources = candidate.with_regions

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from ...choice.workbench import Candidate, Workbench
+from ...choice.kernel import Emitted
+from ...choice.workbench import Workbench
 from ...emission.kernel_source import emit
 from ...errors import KernelError
 from ...evidence.profiling.counting import KINDS, Counted, count_operations
@@ -40,7 +41,7 @@ class Profile:
 
 def profile(
     bench: Workbench,
-    candidate: Candidate,
+    candidate: Emitted,
     host: Host,
     verified: Array,
     timed: Array,
@@ -92,7 +93,7 @@ def _march(flags: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(flag for flag in flags if flag.startswith("-march="))
 
 
-def _counts(counted: Counted, stated: Counted, candidate: Candidate) -> Counts:
+def _counts(counted: Counted, stated: Counted, candidate: Emitted) -> Counts:
     usual = stated.per_iteration
     total, n = counted.total.as_dict(), max(counted.collisions, 1)
     kinds = [kind for kind in KINDS if kind in total]
@@ -125,7 +126,7 @@ def _by_hardware(found: Sampled | None, host: Host) -> list[MissFigures]:
     ]
 
 
-def _simulated(bench: Workbench, candidate: Candidate, cases: Array) -> MissFigures:
+def _simulated(bench: Workbench, candidate: Emitted, cases: Array) -> MissFigures:
     """By valgrind, as built for the best target that it can run."""
     refused = []
     for name in SIMULATED:

@@ -8,14 +8,10 @@ from datetime import UTC, datetime
 
 import numpy as np
 
+from ...choice.cases import TIMING_CASES, TIMING_SEED, VERIFY_SEED
+from ...choice.kernel import verdict_of
 from ...choice.verifying import Expected
-from ...choice.workbench import (
-    TIMING_CASES,
-    TIMING_SEED,
-    VERIFY_RANDOM,
-    VERIFY_SEED,
-    Workbench,
-)
+from ...choice.workbench import Workbench
 from ...errors import KernelError
 from ...evidence.timing.ratios import control_band
 from ...evidence.verification.errors import Array
@@ -89,11 +85,11 @@ def _measured(
     scene, target, seconds = order.scene, order.target, order.seconds
     schedule.next()
     studies, expected = _verified(bench, found, order)
-    timing = bench.timing_cases(scene, order.model)
+    timing = bench.cases.timed(scene, order.model)
     schedule.next()
     run = time_all(bench, studies, timing, scene, seconds)
     schedule.next()
-    featured = [s for s in studies if s.subject.featured and not s.candidate.rejected]
+    featured = [s for s in studies if s.subject.featured and s.passed]
     profiled = timing[:PROFILED_CASES]
     for study in _told(bench, "errors, counts, sections and misses", featured):
         _look_into(bench, study, expected, order.host, profiled)
@@ -116,7 +112,7 @@ def _measured(
         scene=scene,
         model=order.model,
         compilers={code: c.version for code, c in bench.compilers.items()},
-        flags={s.subject.role: " ".join(s.candidate.flags) for s in studies},
+        flags={s.subject.role: " ".join(s.candidate.emitted.flags) for s in studies},
         seeds={"verification": VERIFY_SEED, "timing": TIMING_SEED},
         tsc_ghz=run.tsc_ghz,
         control=control_band(run),
@@ -142,30 +138,28 @@ def _look_into(
     bench: Workbench, study: Study, expected: Expected, host: Host, timed: Array
 ) -> None:
     """A kernel's errors, and what the tools of profiling find of it."""
-    if study.candidate.library is not None:
-        study.accuracy = accuracy_of(bench.tool, study.candidate.library.path, expected)
-        study.profile = profile(bench, study.candidate, host, expected.cases, timed, SAMPLE_SECONDS)
+    kernel = study.kernel
+    study.accuracy = accuracy_of(bench.tool, kernel.library.path, expected)
+    study.profile = profile(bench, kernel, host, expected.cases, timed, SAMPLE_SECONDS)
 
 
 def _verified(
     bench: Workbench, found: Sequence[Subject], order: Order
 ) -> tuple[list[Study], Expected]:
-    candidates = bench.prepare([s.variant for s in found], order.target)
-    bench.compile(candidates)
-    expected = bench.expected(order.scene, order.model, STEPS, VERIFY_SEED, VERIFY_RANDOM)
-    bench.verify(candidates, expected)
-    studies = [Study(s, c) for s, c in zip(found, candidates, strict=True)]
-    if not studies or studies[0].subject.role != BASELINE or studies[0].candidate.rejected:
-        reason = studies[0].candidate.rejected if studies else "no subject"
+    emitted = bench.emit_all([s.variant for s in found], order.target)
+    kernels = bench.verify_all(bench.build_all(emitted))
+    studies = [Study(s, k) for s, k in zip(found, kernels, strict=True)]
+    if not studies or studies[0].subject.role != BASELINE or not studies[0].passed:
+        reason = studies[0].rejected if studies else "no subject"
         raise KernelError(f"{BASELINE}: {reason}")
-    return studies, expected
+    return studies, bench.cases.expected(order.scene, order.model, STEPS)
 
 
 def _findings(study: Study, kinds: dict[str, KindFindings], tsc_ghz: float) -> KernelFindings:
     candidate, found, accuracy = study.candidate, study.profile, study.accuracy
-    missing = dict(found.missing) if found else {}
-    if candidate.rejected:
-        missing["kernel"] = candidate.rejected
+    missing, verdict = dict(found.missing) if found else {}, verdict_of(candidate)
+    if study.rejected:
+        missing["kernel"] = study.rejected
     stepper = study.subject.variant.stepper
     seed_ns = study.timed.seed_ns if study.timed else None
     return KernelFindings(
@@ -175,7 +169,7 @@ def _findings(study: Study, kinds: dict[str, KindFindings], tsc_ghz: float) -> K
         budget=stepper.budget,
         timed=study.timed,
         seed_cycles=None if seed_ns is None else seed_ns * tsc_ghz,
-        verified_error=candidate.verdict.max_rel_error if candidate.verdict else None,
+        verified_error=verdict.max_rel_error if verdict else None,
         error=accuracy.largest if accuracy else None,
         outputs=accuracy.outputs if accuracy else {},
         worst=accuracy.worst if accuracy else None,

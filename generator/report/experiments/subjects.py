@@ -9,12 +9,11 @@ from pathlib import Path
 from ...choice.candidates import baseline, paper_rows
 from ...choice.lookup import kernel_for, with_compiler_found
 from ...choice.selection import place_of, read_selection
+from ...choice.trials import Final
 from ...registry.names import name_of
 from ...registry.question import Goal
 from ...registry.rules import broken_rule
 from ...registry.variant import Variant, fixed_steps
-from ...sweep.record import Final
-from ...sweep.space import variant_of_subject
 from ...targets.target import Target
 from ...toolchain.compilers import Compiler
 
@@ -58,7 +57,7 @@ def _chosen_by_sweep(finals: dict[str, Final], call: str) -> dict[tuple[int | No
             continue
         budget = "" if subject.budget is None else f"{subject.budget:.0e}"
         try:
-            found[subject.steps, budget] = variant_of_subject(subject)
+            found[subject.steps, budget] = subject.variant()
         except ValueError:
             continue  # of a registry that had other options
     return found

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...choice.kernel import Rejected, Verified
 from ...choice.verifying import Expected
-from ...choice.workbench import Candidate, Workbench
+from ...choice.workbench import Workbench
+from ...errors import KernelError
 from ...evidence.timing.plan import PlannedKernel, TimingPlan
 from ...evidence.timing.ratios import TimingResult, TimingRun, timing_results
 from ...evidence.verification.errors import Array
@@ -32,23 +34,35 @@ class Study:
     """A subject on its way."""
 
     subject: Subject
-    candidate: Candidate
+    candidate: Verified | Rejected
     timed: TimingResult | None = None
     accuracy: Accuracy | None = None
     profile: Profile | None = None
     modelled: tuple[Modelled, ...] = ()
+
+    @property
+    def rejected(self) -> str:
+        """Why it was; empty where it passed."""
+        return self.candidate.text if isinstance(self.candidate, Rejected) else ""
+
+    @property
+    def passed(self) -> bool:
+        return not self.rejected
+
+    @property
+    def kernel(self) -> Verified:
+        """Raises KernelError where it was rejected."""
+        if isinstance(self.candidate, Rejected):
+            raise KernelError(f"{self.candidate.name}: {self.candidate.text}")
+        return self.candidate
 
 
 def time_all(
     bench: Workbench, studies: Sequence[Study], cases: Array, scene: str, seconds: float
 ) -> TimingRun:
     """All subjects interleaved with the baseline, on mixed cases and on the report's five."""
-    unique = {s.candidate.name: s.candidate for s in studies if not s.candidate.rejected}
-    kernels = tuple(
-        PlannedKernel(name, c.library.path, latency=True)
-        for name, c in unique.items()
-        if c.library is not None
-    )
+    unique = {s.kernel.name: s.kernel for s in studies if s.passed}
+    kernels = tuple(PlannedKernel(name, k.library.path, latency=True) for name, k in unique.items())
     reference = load_reference()
     seeds = reference.cases[reference.rows_of("seed_case")]
     unrestricted = find_scene(scene).unrestricted
@@ -72,10 +86,8 @@ def time_kinds(
     seconds: float,
 ) -> dict[str, dict[str, float]]:
     """ns by kind and kernel name, all kernels interleaved on the cases of one kind."""
-    unique = {s.candidate.name: s.candidate for s in featured}
-    kernels = tuple(
-        PlannedKernel(name, c.library.path) for name, c in unique.items() if c.library is not None
-    )
+    unique = {s.kernel.name: s.kernel for s in featured}
+    kernels = tuple(PlannedKernel(name, k.library.path) for name, k in unique.items())
     found = {}
     for index, (kind, rows) in enumerate(kinds.items()):
         bench.progress("timing kind by kind", index, len(kinds))
@@ -102,20 +114,19 @@ def growth_of(
     rows = [
         (s.subject.role, steps, s.subject.variant.with_stepper(fixed_steps(steps)))
         for s in studies
-        if s.subject.role in (BASELINE, EULER) and not s.candidate.rejected
+        if s.subject.role in (BASELINE, EULER) and s.passed
         for steps in GROWTH
     ]
-    candidates = bench.prepare([variant for _, _, variant in rows], target)
-    bench.compile(candidates)
+    made = bench.build_all(bench.emit_all([variant for _, _, variant in rows], target))
     named = [
-        (role, steps, PlannedKernel(c.name, c.library.path))
-        for (role, steps, _), c in zip(rows, candidates, strict=True)
-        if c.library is not None
+        (role, steps, PlannedKernel(k.name, k.library.path))
+        for (role, steps, _), k in zip(rows, made, strict=True)
+        if not isinstance(k, Rejected)
     ]
     first = studies[0]
-    if first.timed is None or first.candidate.library is None:
+    if first.timed is None:
         return []
-    base = PlannedKernel(first.candidate.name, first.candidate.library.path)
+    base = PlannedKernel(first.kernel.name, first.kernel.library.path)
     ratios: dict[str, float] = {}
     for slow in (False, True):
         own = {base.name: base}
@@ -153,23 +164,20 @@ def time_calls(
     seconds: float,
 ) -> list[CallPoint]:
     """Each goal's kernels through either function, on the cases that all batches are timed on."""
-    candidates = bench.prepare([c.variant for c in called], target)
-    bench.compile(candidates)
-    bench.verify(candidates, expected)
+    emitted = bench.emit_all([c.variant for c in called], target)
+    kernels = bench.verify_all(bench.build_all(emitted))
     rows = [
-        (one, f"{index}", candidate)
-        for index, (one, candidate) in enumerate(zip(called, candidates, strict=True))
-        if candidate.library is not None and not candidate.rejected
+        (one, f"{index}", kernel)
+        for index, (one, kernel) in enumerate(zip(called, kernels, strict=True))
+        if not isinstance(kernel, Rejected)
     ]
     if not rows:
         return []
     bench.progress("timing batches", 0, 1)
     planned = tuple(
-        PlannedKernel(label, candidate.library.path, batch=one.batch)
-        for one, label, candidate in rows
-        if candidate.library is not None
+        PlannedKernel(label, kernel.library.path, batch=one.batch) for one, label, kernel in rows
     )
-    cases = bench.batch_cases(expected.scene, called[0].variant.model)
+    cases = bench.cases.timed(expected.scene, called[0].variant.model, batches=True)
     run = bench.tool.time(TimingPlan(cases, planned, planned[0].name, rounds=400, seconds=seconds))
     scalar = {one.role: label for one, label, _ in reversed(rows) if not one.batch}
     return [

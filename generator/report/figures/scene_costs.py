@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...choice.kernel import Emitted, Rejected, Verified
 from ...choice.lookup import default_kernel
-from ...choice.workbench import VERIFY_RANDOM, VERIFY_SEED, Candidate, Workbench
+from ...choice.workbench import Workbench
 from ...errors import KernelError
 from ...evidence.profiling.counting import Counted, count_operations
 from ...evidence.timing.plan import PlannedKernel, TimingPlan
@@ -70,15 +71,10 @@ def _cost(bench: Workbench, target: Target, name: str, seconds: float) -> SceneC
     scene = find_scene(name)
     own = kernel_of(target, name, scene.max_error)
     plain = own.moved(scene=PLAIN)
-    candidates = bench.prepare([own, plain], target)
-    bench.compile(candidates)
-    for candidate in candidates:
-        _require_exact(bench, candidate)
-    cases = bench.timing_cases(name, scene.model)
+    candidates = [_verified(bench, variant, target) for variant in (own, plain)]
+    cases = bench.cases.timed(name, scene.model)
     counted, counted_any = (_counted(bench, each, target, cases) for each in candidates)
-    kernels = tuple(
-        PlannedKernel(c.variant.scene, c.library.path) for c in candidates if c.library is not None
-    )
+    kernels = tuple(PlannedKernel(c.variant.scene, c.library.path) for c in candidates)
     bench.progress(f"timing scene {name} for {seconds:.0f} s", 0, 1)
     run = bench.tool.time(TimingPlan(cases, kernels, PLAIN, rounds=_ROUNDS, seconds=seconds))
     times = {result.name: result for result in timing_results(run)}
@@ -98,15 +94,14 @@ def _cost(bench: Workbench, target: Target, name: str, seconds: float) -> SceneC
     )
 
 
-def _require_exact(bench: Workbench, candidate: Candidate) -> None:
-    variant = candidate.variant
-    expected = bench.expected(variant.scene, variant.model, None, VERIFY_SEED, VERIFY_RANDOM)
-    bench.verify([candidate], expected)
-    if candidate.rejected:
-        raise KernelError(f"{candidate.name}: {candidate.rejected}")
+def _verified(bench: Workbench, variant: Variant, target: Target) -> Verified:
+    made = bench.verify(bench.built(variant, target))
+    if isinstance(made, Rejected):
+        raise KernelError(f"{made.name}: {made.text}")
+    return made
 
 
-def _counted(bench: Workbench, candidate: Candidate, target: Target, cases: Array) -> Counted:
+def _counted(bench: Workbench, candidate: Emitted, target: Target, cases: Array) -> Counted:
     flags = compile_flags(candidate.variant, candidate.compiler, target)
     return count_operations(
         candidate.source,

@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...choice.candidates import baseline, exact_candidates
+from ...choice.cases import TIMING_CASES, TIMING_SEED
+from ...choice.kernel import Built, Rejected
 from ...choice.lookup import kernel_for, with_compiler_found
-from ...choice.workbench import TIMING_CASES, TIMING_SEED, Candidate, Workbench
+from ...choice.workbench import Workbench
 from ...errors import KernelError
 from ...evidence.timing.plan import PlannedKernel, TimingPlan
 from ...evidence.timing.ratios import TimingResult, timing_results
@@ -82,8 +84,7 @@ class Entry:
     """A kernel on its way into the picture."""
 
     group: Group
-    candidate: Candidate
-    library: Path
+    candidate: Built
     error: float = float("nan")
     slipping_error: float = float("nan")
     cases: int = 0
@@ -114,9 +115,7 @@ def measure_speed_error(
     seconds: float,
 ) -> SpeedError:
     """Emit, compile, verify and time all that the picture shows."""
-    rows = _candidates(bench, generated, target, scene, model)
-    bench.compile([candidate for _, candidate in rows])
-    entries = [Entry(group, c, c.library.path) for group, c in rows if c.library is not None]
+    entries = _entries(bench, generated, target, scene, model)
     _find_errors(bench, entries, scene, model)
     entries = [entry for entry in entries if entry.error < 1]
     times = _times(bench, entries, seconds)
@@ -126,9 +125,9 @@ def measure_speed_error(
     return SpeedError(read_host().cpu, target.name, scene, model, versions, points)
 
 
-def _candidates(
+def _entries(
     bench: Workbench, generated: Path, target: Target, scene: str, model: str
-) -> list[tuple[Group, Candidate]]:
+) -> list[Entry]:
     """The baseline first; a kernel that belongs to two groups is measured once, in the first."""
     codes = list(bench.compilers)
     first = baseline(target, scene, model, BASELINE_STEPS, codes)
@@ -143,8 +142,9 @@ def _candidates(
     labelled = [(group, variant) for group, variants in groups.items() for variant in variants]
     unique = {name_of(variant): (group, variant) for group, variant in reversed(labelled)}
     rows = list(reversed(unique.values()))
-    candidates = bench.prepare([variant for _, variant in rows], target)
-    return [(group, c) for (group, _), c in zip(rows, candidates, strict=True)]
+    made = bench.build_all(bench.emit_all([variant for _, variant in rows], target))
+    pairs = zip(rows, made, strict=True)
+    return [Entry(group, k) for (group, _), k in pairs if not isinstance(k, Rejected)]
 
 
 def _family(target: Target, scene: str, model: str, compiler: str) -> list[Variant]:
@@ -168,7 +168,7 @@ def _find_errors(bench: Workbench, entries: Sequence[Entry], scene: str, model: 
 
     Kernels of very many steps run the reference and only those random cases that were worst.
     """
-    expected = bench.expected(scene, model, None, SEED, RANDOM)
+    expected = bench.cases.expected(scene, model, None, SEED, RANDOM)
     cases, exact = expected.cases, expected.exact
     slipping = exact[:, STICKS] == SLIPS
     rows, relative = np.arange(len(cases)), np.zeros(len(cases))
@@ -176,7 +176,7 @@ def _find_errors(bench: Workbench, entries: Sequence[Entry], scene: str, model: 
         bench.progress("finding errors", index, len(entries))
         if entry.slow and len(rows) == len(cases):
             rows = _hard_rows(relative, slipping, expected.reference_rows)
-        got = bench.tool.run_kernel(entry.library, cases[rows], timeout=600.0)
+        got = bench.tool.run_kernel(entry.candidate.library.path, cases[rows], timeout=600.0)
         relative = errors_of(cases[rows], got, exact[rows]).relative
         relative = np.where(got[:, STATUS] == exact[rows, STATUS], relative, np.inf)
         entry.error, entry.cases = float(relative.max()), len(rows)
@@ -202,7 +202,7 @@ def _times(bench: Workbench, entries: Sequence[Entry], seconds: float) -> dict[s
     found: dict[str, TimingResult] = {}
     for slow, share in ((False, 0.7), (True, 0.3)):
         own = [e for e in entries if e.slow == slow or e is first]
-        planned = tuple(PlannedKernel(e.candidate.name, e.library) for e in own)
+        planned = tuple(PlannedKernel(e.candidate.name, e.candidate.library.path) for e in own)
         bench.progress(f"timing {len(planned)} kernels for {share * seconds:.0f} s", 0, 1)
         plan = TimingPlan(
             cases, planned, first.candidate.name, rounds=1000, seconds=share * seconds

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from ...choice.trials import Final, Times
 from ...evidence.timing.ratios import TimingResult
-from ...sweep.record import Final, Times
 from ..experiments.subjects import BASELINE, BEST, EULER, role_of_budget
 from ..findings import KernelFindings
 from ..known import Known

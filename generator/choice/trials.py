@@ -1,4 +1,4 @@
-"""The records of a sweep: what was tried, on what it depends, what came out. See docs/sweep.md.
+"""The records of contests: what was tried, on what it depends, what came out. See docs/sweep.md.
 
 Field names and meanings are the stored format. A record is never changed; a new measurement is a
 new record. `SCHEMA` counts up when a field changes its meaning.
@@ -6,16 +6,37 @@ new record. `SCHEMA` counts up when a field changes its meaning.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
+from ..errors import KernelError
 from ..evidence.records.code import digest
+from ..evidence.timing.ratios import TimingRun, control_band, timing_results
+from ..registry.names import name_of
+from ..registry.question import Call, Contest, Goal
+from ..registry.variant import Stepper, Variant, make_variant
+from .kernel import Code, Emitted, Reason, Rejected, verdict_of
 
 SCHEMA: Literal[2] = 2
+_DIGITS = 5
 
-Call = Literal["scalar", "batch"]
-Reason = Literal["compile", "timeout", "crash", "wrong result", "constraint"]
+
+def rounded(value: float) -> float:
+    """To as many digits as records keep."""
+    return float(f"{value:.{_DIGITS}g}")
+
+
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def one_line(text: str) -> str:
+    return " ".join(text.split())
 
 
 class _Part(BaseModel):
@@ -43,6 +64,23 @@ class Depends(_Part):
         return tuple(k for k in type(self).model_fields if getattr(self, k) != getattr(other, k))
 
 
+@dataclass(frozen=True)
+class Rules:
+    """What all figures of a contest depend on besides the kernel; see `Depends`."""
+
+    cpu: str
+    call: Call
+    cases: str
+    rules: str
+    bench: str
+    timed: str = ""
+
+    def depends(self, code: Code, goal: Goal, baseline: Code, timing: str) -> Depends:
+        """What the figures of a kernel depend on."""
+        own = {"goal": str(goal), "baseline": baseline.hash, "timing": timing}
+        return Depends.model_validate({**vars(self), **vars(code), **own})
+
+
 class Subject(_Part):
     """The variant, as the registry knew it when the record was made."""
 
@@ -60,8 +98,43 @@ class Subject(_Part):
     @property
     def contest(self) -> str:
         """The variants that one choice is made among share it."""
-        goal = f"n{self.steps}" if self.steps is not None else f"e{self.budget:g}"
-        return f"{self.target}/{self.scene}/{self.model}/{goal}/{self.call}"
+        return _contest(self, self.steps, self.budget)
+
+    @staticmethod
+    def of(variant: Variant) -> Subject:
+        stepper, asked = variant.stepper, variant.question
+        return Subject(
+            name=name_of(variant),
+            target=asked.target,
+            scene=asked.scene,
+            model=asked.model,
+            stepper=stepper.name,
+            steps=stepper.steps,
+            budget=stepper.budget,
+            width=variant.width,
+            options=dict(variant.options),
+            call=asked.contest.call,
+        )
+
+    def variant(self) -> Variant:
+        """The variant that the record was made of, in today's registry.
+
+        Axes that are newer have their default. Raises ValueError where an option is gone.
+        """
+        stepper = Stepper(self.stepper, steps=self.steps, budget=self.budget)
+        return make_variant(
+            self.target, self.scene, self.model, stepper, self.width, **self.options
+        )
+
+
+def name_of_contest(contest: Contest) -> str:
+    """As `Subject.contest`."""
+    return _contest(contest, contest.goal.steps, contest.goal.budget)
+
+
+def _contest(held: Contest | Subject, steps: int | None, budget: float | None) -> str:
+    goal = f"n{steps}" if steps is not None else f"e{budget:g}"
+    return f"{held.target}/{held.scene}/{held.model}/{goal}/{held.call}"
 
 
 class Errors(_Part):
@@ -79,6 +152,27 @@ class Errors(_Part):
     sticking: int
     max_sticking_rel_error: float
 
+    @staticmethod
+    def of(kernel: Emitted | Rejected) -> Errors | None:
+        """Those of a kernel that came so far."""
+        verdict = verdict_of(kernel)
+        if verdict is None:
+            return None
+        rejected = kernel.text if isinstance(kernel, Rejected) else ""
+        return Errors(
+            passed=not rejected,
+            reason=one_line(rejected or verdict.reason),
+            max_abs_error=_known(verdict.max_abs_error),
+            max_rel_error=_known(verdict.max_rel_error),
+            against="euler" if kernel.variant.stepper.family == "fixed" else "exact",
+            cases=verdict.cases,
+            flips=len(verdict.flips),
+            worst_case=verdict.worst_case,
+            max_flip_error=verdict.max_flip_error,
+            sticking=verdict.sticking,
+            max_sticking_rel_error=verdict.max_sticking_rel_error,
+        )
+
 
 class Times(_Part):
     """What timing found, against `paper-initial` in the same rounds; medians over the rounds."""
@@ -93,12 +187,34 @@ class Times(_Part):
     ratios: tuple[float, ...]  # of each round
     quiet: float | None = None  # share of these rounds with the core alone; None: not looked at
 
+    @staticmethod
+    def of(run: TimingRun, name: str) -> Times:
+        """What a timing says of a kernel, against the baseline in the same rounds."""
+        result = next(r for r in timing_results(run) if r.name == name)
+        base = run.throughput.ns[run.baseline]
+        (low, high), control = result.ratio_ci, control_band(run)
+        return Times(
+            ns=rounded(result.ns),
+            cycles=rounded(result.cycles),
+            ratio=rounded(result.ratio),
+            ratio_ci=(rounded(low), rounded(high)),
+            control=(rounded(control[0]), rounded(control[1])),
+            baseline_ns=rounded(float(np.median(base))),
+            rounds=run.rounds,
+            quiet=rounded(run.quiet),
+            ratios=tuple(rounded(float(r)) for r in run.throughput.ns[name] / base),
+        )
+
 
 class Rejection(_Part):
     """Why a variant ended without a time."""
 
     reason: Reason
     text: str  # one line
+
+    @staticmethod
+    def of(rejected: Rejected) -> Rejection:
+        return Rejection(reason=rejected.reason, text=one_line(rejected.text))
 
 
 class Record(_Part):
@@ -174,6 +290,13 @@ class Final(Record):
         """Names of the kernels that cannot be told from the fastest, itself included."""
         return tuple(f.subject.name for f in self.finalists if f.tie)
 
+    def row(self, name: str) -> Finalist:
+        """A finalist by the name it had then. KernelError where it was none."""
+        for row in self.finalists:
+            if row.subject.name == name:
+                return row
+        raise KernelError(f"{name} was not timed in this final")
+
 
 AnyRecord = Annotated[Run | Trial | Final, Field(discriminator="kind")]
 _ADAPTER: TypeAdapter[Run | Trial | Final] = TypeAdapter(AnyRecord)
@@ -182,6 +305,11 @@ _ADAPTER: TypeAdapter[Run | Trial | Final] = TypeAdapter(AnyRecord)
 def trial_key(depends: Depends, rung: int) -> str:
     """The key of a trial: nothing of its name, nothing of other variants."""
     return digest([SCHEMA, rung, depends.model_dump(mode="json")])
+
+
+def job_key(purpose: object, depends: Iterable[Depends]) -> str:
+    """The key of kernels that are timed together, in any order."""
+    return digest([SCHEMA, purpose, sorted(each.model_dump_json() for each in depends)])
 
 
 def parse_record(text: str) -> Run | Trial | Final:
