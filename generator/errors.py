@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TypeVar
+
+T = TypeVar("T")
+
 
 class InputError(Exception):
     """Wrong usage or input: one line that names the place, what is wrong and what would be right.
@@ -24,3 +29,10 @@ class KernelTimeout(KernelError):  # noqa: N818
 
 class KernelCrash(KernelError):  # noqa: N818
     """A program was ended by a signal."""
+
+
+def named(what: str, name: str, known: Mapping[str, T]) -> T:
+    """What is known by a name. Raises InputError that names the option and what there is."""
+    if name not in known:
+        raise InputError(f"--{what} {name}: no such {what}; there are {', '.join(known)}")
+    return known[name]

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from ..errors import InputError
+from ..errors import named
 from .columns import Columns, Parameter
 from .scene import BaseScene
 
@@ -156,14 +156,8 @@ class Impact:
 
     def find_model(self, name: str) -> Model:
         """A contact model by its name. Raises InputError naming the models there are."""
-        models = {model.name: model for model in self.model_table()}
-        if name not in models:
-            raise InputError(f"--model {name}: no such model; there are {', '.join(models)}")
-        return models[name]
+        return named("model", name, {model.name: model for model in self.model_table()})
 
     def find_scene(self, name: str) -> BaseScene:
         """A shipped scene by its name. Raises InputError naming the scenes there are."""
-        known = self.scene_table()
-        if name not in known:
-            raise InputError(f"--scene {name}: no such scene; there are {', '.join(known)}")
-        return known[name]
+        return named("scene", name, self.scene_table())

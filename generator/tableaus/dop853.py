@@ -6,6 +6,10 @@ published there: 30 decimal digits, so order conditions hold to 1e-28 and not ex
 
 from __future__ import annotations
 
+from fractions import Fraction
+
+from .tableau import Tableau, row
+
 # Row i: weights of stages 0 to i - 1.
 STAGES = (
     "",
@@ -131,3 +135,25 @@ EMBEDDED_3 = (
     "0.244094488188976377952755905512 0 0 0 0 0 0 0 "
     "0.733846688281611857341361741547 0 0 0.220588235294117647058823529412e-1"
 )
+
+
+def _dop853() -> Tableau:
+    rows = tuple(row(text) for text in STAGES[:-2])
+    ends = tuple(row(text, "1") for text in STAGES[-2:])  # c = 1 exactly
+    weights = (*ends[-1], Fraction(0))
+    difference = (*row(ERROR_5), Fraction(0))
+    return Tableau(
+        "dop853",
+        8,
+        5,
+        (*rows, *ends),
+        tuple(b - e for b, e in zip(weights, difference, strict=True)),
+        "Dormand, Prince; Hairer, Norsett, Wanner, Solving ODEs I, DOP853",
+        dense=tuple(row(text) for text in DENSE),
+        extra=tuple(row(text) for text in EXTRA),
+        second=(*row(EMBEDDED_3), Fraction(0)),
+        rounding=1e-25,
+    )
+
+
+DOP853 = _dop853()

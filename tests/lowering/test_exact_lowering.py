@@ -21,7 +21,8 @@ from generator.lowering.printer import ExpressionPrinter, Fma, Plus, decimal_pro
 from generator.lowering.statements import Assign, lower
 from generator.registry.names import variant_of
 from generator.steppers.exact.step import ExactLowering
-from generator.tableaus.tableaus import TABLEAUS, Tableau
+from generator.tableaus.tableau import Tableau
+from generator.tableaus.tableaus import TABLEAUS
 
 TERMS = find_model("mathavan2014").terms
 A, B = sp.symbols("a b", real=True)

@@ -22,7 +22,8 @@ from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, Variant, make_variant
 from generator.steppers.exact.budgets import plan_for
 from generator.steppers.exact.step import ExactLowering
-from generator.tableaus.tableaus import TABLEAUS, Row, Tableau
+from generator.tableaus.tableau import Row, Tableau
+from generator.tableaus.tableaus import TABLEAUS
 from tests.support.exact_kernels import built, portable_target
 from tests.support.kernels import bench_tool
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...errors import InputError
+from ...errors import named
 from .terms import ContactTerms
 
 
@@ -40,8 +40,4 @@ DEFAULT_MODEL = MODELS[0].name
 
 def find_model(name: str) -> ContactModel:
     """A model by its name. Raises InputError naming the models there are."""
-    for model in MODELS:
-        if model.name == name:
-            return model
-    names = ", ".join(model.name for model in MODELS)
-    raise InputError(f"--model {name}: no such model; there are {names}")
+    return named("model", name, {model.name: model for model in MODELS})

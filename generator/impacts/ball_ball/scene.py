@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
-from ...errors import InputError
+from ...errors import named
 from ..scene import BaseScene, pair, scene_from, scenes_in
 from .models import DEFAULT_MODEL, MODELS
 from .parameters import CASE_M1, LIMITS, MASS_1, NAMES, TABLE_FRICTION
@@ -169,6 +169,4 @@ def scenes() -> dict[str, Scene]:
 
 def find_scene(name: str) -> Scene:
     """A shipped scene by its name. Raises InputError naming the scenes there are."""
-    if name not in scenes():
-        raise InputError(f"--scene {name}: no such scene; there are {', '.join(scenes())}")
-    return scenes()[name]
+    return named("scene", name, scenes())

@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ...errors import InputError
-from ...tableaus.tableaus import TABLEAUS, Tableau
+from ...tableaus.tableau import Tableau
+from ...tableaus.tableaus import TABLEAUS
 
 LOOSEST, TIGHTEST = 1e-1, 1e-12
 

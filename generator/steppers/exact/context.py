@@ -23,7 +23,7 @@ from ...lowering.statements import Part
 from ...registry.lane_numbers import precision_of
 from ...registry.roots import refined_error
 from ...registry.variant import Variant
-from ...tableaus.tableaus import Tableau
+from ...tableaus.tableau import Tableau
 from ...targets.target import Target
 from .budgets import StepControl, plan_for
 from .ellipse import largest_weight, sticking_bound

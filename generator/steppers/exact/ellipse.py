@@ -13,7 +13,7 @@ import cmath
 import math
 from functools import cache
 
-from ...tableaus.tableaus import Tableau
+from ...tableaus.tableau import Tableau
 
 _SIZES = (1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2, 2.5, 3, 4, 5, 7, 10, 15, 20)
 _ANGLES = 24

@@ -21,7 +21,7 @@ from ...lowering.chains import unfolded
 from ...lowering.counts import OperationCounts
 from ...lowering.printer import ExpressionPrinter, Fma, Plus, number
 from ...lowering.statements import Assign, Part, lower
-from ...tableaus.tableaus import Tableau
+from ...tableaus.tableau import Tableau
 
 # The slips that a step carries, in the order of struct Slips, and what they are in the mechanics;
 # the friction impulses that change them, in the order of struct Rates.
