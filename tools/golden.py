@@ -26,7 +26,7 @@ sys.path.insert(0, str(ROOT))
 from generator.choice.selection import read_selection  # noqa: E402
 from generator.emission.kernel_source import emit  # noqa: E402
 from generator.errors import InputError, KernelError  # noqa: E402
-from generator.impacts.ball_ball.scene import scenes  # noqa: E402
+from generator.impacts.ball_ball.scene import find_scene, scenes  # noqa: E402
 from generator.registry.axes import axes_of  # noqa: E402
 from generator.registry.lane_numbers import widths_for  # noqa: E402
 from generator.registry.presets import PRESETS  # noqa: E402
@@ -90,7 +90,7 @@ def _draw(chance: random.Random) -> dict[str, object] | None:
         stepper = Stepper(chance.choice(sorted(TABLEAUS)), budget=chance.choice(BUDGETS))
     else:
         stepper = fixed_steps(1000)
-    width = chance.choice(widths_for(target, scene, stepper.family))
+    width = chance.choice(widths_for(target, find_scene(scene), stepper.family))
     axes = axes_of(stepper.family, width)
     if not exact:  # of all options at once next to none would be legal
         axes = tuple(chance.sample(axes, chance.randint(1, 4)))

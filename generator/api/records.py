@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..evidence.records.files import read_records, timings_path, union, write_records
 from ..files import require_place
 from ..impacts.ball_ball.models import MODELS, find_model
+from ..impacts.registry import DEFAULT, find_impact
 from ..registry.lane_numbers import widths_for
 from ..steppers.exact.budgets import plan_for
 from ..sweep.explore import Observer
@@ -168,7 +169,9 @@ def _near(host: Host) -> str:
 
 
 def _plan(target: Target, asked: RefreshRequest, session: Session) -> Plan:
-    wide = tuple(w for w in widths_for(target, SCENE, "exact") if w > 1)
+    wide = tuple(
+        w for w in widths_for(target, find_impact(DEFAULT).find_scene(SCENE), "exact") if w > 1
+    )
     widths: Mapping[str, tuple[int, ...]] = {"scalar": (1,), "batch": wide}
     return Plan(
         target=target,

@@ -160,7 +160,7 @@ def _begun(
     only = parse_only(asked.only)
     widths = {
         "scalar": (1,),
-        "batch": tuple(w for w in widths_for(target, asked.scene, "exact") if w > 1),
+        "batch": tuple(w for w in widths_for(target, scene, "exact") if w > 1),
     }
     with _lab(asked, target, session) as lab:
         plan = Plan(

@@ -170,11 +170,9 @@ def _exact_lane_roots(single: Variant, target: Target, floats: bool = False) -> 
     plain = single["root"] == "ieee" or find_scene(single.scene).level
     if plain or not target.has_rsqrt_estimate:
         return (single["root"],)
-    budget = single.stepper.budget or 0.0
+    budget, friction = single.stepper.budget or 0.0, single.question.sensitivity
     enough = (
-        code
-        for code in COARSEST_FIRST
-        if allows(budget, single.model, code, target, in_floats=floats)
+        code for code in COARSEST_FIRST if allows(budget, friction, code, target, in_floats=floats)
     )
     return tuple(dict.fromkeys((next(enough), single["root"])))
 

@@ -98,6 +98,14 @@ class Functions:
         return sum(r.changed for r in self.results[: names.index(result)])
 
 
+@dataclass(frozen=True)
+class Sensitivity:
+    """What a relative error of friction does to a collision's result under a contact model."""
+
+    amplification: float  # of it, relative to what errors are relative to; the most there is
+    adds_up: bool  # do roots, rounding and steps err most in the same rare collisions?
+
+
 class Model(Protocol):
     """A contact model: what users ask for by name."""
 
@@ -140,6 +148,8 @@ class Impact:
     model_table: Callable[[], tuple[Model, ...]] = field(repr=False)
     scene_table: Callable[[], Mapping[str, BaseScene]] = field(repr=False)
     words: Callable[[], Words] = field(repr=False)
+    sensitivity: Callable[[str], Sensitivity] = field(repr=False)  # of a contact model
+    axes: frozenset[str] | None = None  # the options that its kernels have; None: all there are
 
     def part(self, room: str) -> Any:
         """The module of that name in its folder: what it gives to a room above this one.

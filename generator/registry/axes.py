@@ -6,6 +6,7 @@ rules.py, and the code that lays it out in lowering/ or templates/.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 
@@ -194,10 +195,14 @@ AXES: tuple[Axis, ...] = (
 )
 
 
-def axes_of(family: str, width: int = 1) -> tuple[Axis, ...]:
-    """The axes that kernels of a stepper family and that many lanes have, in name order."""
+def axes_of(family: str, width: int = 1, among: Collection[str] | None = None) -> tuple[Axis, ...]:
+    """The axes that kernels of a stepper family and that many lanes have, in name order.
+
+    `among`: those that kernels of an impact have; None: all.
+    """
     fitting = (axis for axis in AXES if axis.family in (family, "all"))
-    return tuple(axis for axis in fitting if width > 1 or not axis.lanes)
+    own = (axis for axis in fitting if among is None or axis.key in among)
+    return tuple(axis for axis in own if width > 1 or not axis.lanes)
 
 
 def axis(key: str) -> Axis:

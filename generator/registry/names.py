@@ -43,7 +43,7 @@ def variant_from(question: Question, recipe: str) -> Variant:
     if family != question.goal.family:
         expected = "n<steps> as n1000" if family == "fixed" else "e<budget> as e1m06"
         raise ValueError(f"'{question.goal}' is no goal of {stepper}; expected {expected}")
-    known = [a.key for a in axes_of(family, width.lanes)]
+    known = [a.key for a in axes_of(family, width.lanes, question.row.axes)]
     if width.floats and NUMBERS not in known:
         raise ValueError(f"'{width}' is no width of {stepper}; expected {Width(width.lanes)}")
     strange = [key for key in options if key not in known or key == NUMBERS]

@@ -15,7 +15,8 @@ from typing import Literal
 
 from ..errors import InputError
 from ..impacts import registry as impacts
-from ..impacts.impact import Impact
+from ..impacts.impact import Impact, Sensitivity
+from ..impacts.scene import BaseScene
 from ..targets.target import target_or_port
 
 Family = Literal["fixed", "exact"]  # fixed steps, or as many as an error budget asks for
@@ -56,8 +57,30 @@ class Width:
         return f"x{self.lanes}{'f' if self.floats else ''}"
 
 
+class _Names:
+    """What the names of a question stand for; those that are not known raise InputError."""
+
+    impact: str
+    scene: str
+    model: str
+
+    @property
+    def row(self) -> Impact:
+        """What collides."""
+        return impacts.find_impact(self.impact)
+
+    @property
+    def known_scene(self) -> BaseScene:
+        return self.row.find_scene(self.scene)
+
+    @property
+    def sensitivity(self) -> Sensitivity:
+        """Of its contact model."""
+        return self.row.sensitivity(self.model)
+
+
 @dataclass(frozen=True)
-class Contest:
+class Contest(_Names):
     """What kernels that are compared share: the question without the number of lanes.
 
     `target`: empty in records, which are compared whatever CPU they are of.
@@ -85,7 +108,7 @@ class Contest:
 
 
 @dataclass(frozen=True)
-class Question:
+class Question(_Names):
     """What is wanted. `checked` refuses names that are not known; nothing asks again after it."""
 
     impact: str

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..impacts.ball_ball.scene import find_scene
 from ..tableaus.tableaus import TABLEAUS
 from ..targets.target import Target
 from .lane_numbers import precision_of, steps_in_doubles
@@ -24,7 +23,8 @@ class Rule:
 
 
 def _euler(test: Callable[[Variant], bool]) -> Callable[[Variant, Target], bool]:
-    return lambda v, _target: v.stepper.family == "fixed" and test(v)
+    """Of fixed steps that have the report's axes."""
+    return lambda v, _target: v.stepper.family == "fixed" and bool(v.get("state")) and test(v)
 
 
 def _floats(v: Variant) -> bool:
@@ -33,17 +33,18 @@ def _floats(v: Variant) -> bool:
 
 def _closed(v: Variant) -> bool:
     """Has its scene a closed form in place of steps?"""
-    return find_scene(v.scene).level
+    return bool(v.question.known_scene.closed_form)
 
 
 def _roots_in_budget(v: Variant, target: Target) -> bool:
     """Are all roots of an exact kernel fine enough? A closed form has none."""
-    scene, budget = find_scene(v.scene), v.stepper.budget
-    if budget is None or scene.level:
+    asked, budget = v.question, v.stepper.budget
+    scene, friction = asked.known_scene, asked.sensitivity
+    if budget is None or scene.closed_form:
         return True
-    alone = allows(budget, v.model, v["root"], target, one_float=scene.precision == "float")
+    alone = allows(budget, friction, v["root"], target, one_float=scene.precision == "float")
     return alone and (
-        v.width == 1 or allows(budget, v.model, v["lane_root"], target, in_floats=_floats(v))
+        v.width == 1 or allows(budget, friction, v["lane_root"], target, in_floats=_floats(v))
     )
 
 
@@ -202,12 +203,14 @@ RULES: tuple[Rule, ...] = (
     Rule(
         "floats-in-place-of-doubles",
         "only steps in doubles can be made in floats instead: use numbers=own",
-        lambda v, _t: _floats(v) and not steps_in_doubles(v.scene),
+        lambda v, _t: _floats(v) and not steps_in_doubles(v.question.known_scene),
     ),
     Rule(
         "floats-within-budget",
         "floats round by more than the error budget allows: use numbers=own",
-        lambda v, _t: _floats(v) and not allows_floats(v.stepper.budget or 0.0, v.model),
+        lambda v, _t: (
+            _floats(v) and not allows_floats(v.stepper.budget or 0.0, v.question.sensitivity)
+        ),
     ),
     Rule(
         "roots-within-budget",

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from .axes import axes_of, axis
+from .axes import Axis, axes_of, axis
 from .question import DEFAULT_IMPACT, Family, Goal, Question, Width
 from .recipe import FIXED, Recipe, family_of
 
@@ -65,15 +65,19 @@ class Variant:
         return Stepper(self.recipe.stepper, goal.steps, goal.budget)
 
     @cached_property
+    def axes(self) -> tuple[Axis, ...]:
+        """The options that such kernels have."""
+        return _axes_of(self.question, self.recipe.stepper)
+
+    @cached_property
     def options(self) -> tuple[tuple[str, str], ...]:
         """A choice for each axis, in axis order; of numbers in lanes, too."""
-        axes = axes_of(self.recipe.family, self.width)
-        return tuple((a.key, self._codes[a.key]) for a in axes)
+        return tuple((a.key, self._codes[a.key]) for a in self.axes)
 
     @cached_property
     def _codes(self) -> dict[str, str]:
         codes = dict(self.recipe.options)
-        if any(a.key == NUMBERS for a in axes_of(self.recipe.family, self.width)):
+        if any(a.key == NUMBERS for a in self.axes):
             codes[NUMBERS] = "float" if self.question.width.floats else axis(NUMBERS).default
         return codes
 
@@ -136,6 +140,10 @@ class Variant:
         return sum(code != axis(key).default for key, code in self.options)
 
 
+def _axes_of(question: Question, stepper: str) -> tuple[Axis, ...]:
+    return axes_of(family_of(stepper), question.width.lanes, question.row.axes)
+
+
 def _checked(key: str, code: str) -> str:
     try:
         codes = axis(key).codes()
@@ -148,11 +156,10 @@ def _checked(key: str, code: str) -> str:
 
 def variant_with(question: Question, stepper: str, codes: Mapping[str, str]) -> Variant:
     """A variant with a code for each axis that it has; others are left out."""
-    lanes = question.width.lanes
-    axes = axes_of(family_of(stepper), lanes)
+    axes = _axes_of(question, stepper)
     options = tuple((a.key, codes[a.key]) for a in axes if a.key != NUMBERS)
     if len(options) < len(axes):
-        question = replace(question, width=Width(lanes, codes[NUMBERS] == "float"))
+        question = replace(question, width=Width(question.width.lanes, codes[NUMBERS] == "float"))
     return Variant(question, Recipe(stepper, options))
 
 
@@ -162,9 +169,9 @@ def answered(question: Question, stepper: str, options: Mapping[str, str]) -> Va
     Lanes of an exact kernel make their roots as its single calls do, unless told otherwise. Options
     that only other kernels have are left out. ValueError names a choice that does not exist.
     """
-    family, width = family_of(stepper), question.width
-    codes = {a.key: a.default for a in axes_of(family, width.lanes)}
-    if width.floats:
+    family = family_of(stepper)
+    codes = {a.key: a.default for a in _axes_of(question, stepper)}
+    if question.width.floats:
         codes[NUMBERS] = "float"
     if family == "exact" and "root" in options:
         codes["lane_root"] = options["root"]
@@ -179,8 +186,9 @@ def make_variant(
     stepper: Stepper,
     width: int = 1,
     /,
+    impact: str = DEFAULT_IMPACT,
     **options: str,
 ) -> Variant:
-    """As `answered`, of two balls."""
-    question = Question(DEFAULT_IMPACT, target, scene, model, stepper.goal, Width(width))
+    """As `answered`, for a question that is given in parts."""
+    question = Question(impact, target, scene, model, stepper.goal, Width(width))
     return answered(question, stepper.name, options)

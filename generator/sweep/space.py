@@ -42,7 +42,7 @@ class Space:
     def axes(self, width: int) -> tuple[tuple[Axis, tuple[str, ...]], ...]:
         """The axes that kernels of a width have, each with the codes that it may have here."""
         found = []
-        for axis in axes_of(self.contest.goal.family, width):
+        for axis in axes_of(self.contest.goal.family, width, self.contest.row.axes):
             codes = self.only.get(axis.key, axis.codes())
             if axis.key == "compiler":
                 codes = tuple(code for code in codes if code in self.compilers)

@@ -48,7 +48,7 @@ class Plan:
 
     def space(self, contest: Contest) -> Space:
         """What may be tried in a contest."""
-        there = widths_for(self.target, contest.scene, contest.goal.family)
+        there = widths_for(self.target, contest.known_scene, contest.goal.family)
         widths = tuple(width for width in self.widths[contest.call] if width in there)
         only = {**held_options(contest, self.target), **self.only}
         return Space(contest, self.target, self.compilers, widths, only)

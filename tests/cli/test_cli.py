@@ -27,6 +27,7 @@ from generator.evidence.verification.euler import euler_verdict
 from generator.evidence.verification.exact import exact_verdict
 from generator.evidence.verification.reference import FOLDER, OUTCOME_NAMES, load_reference
 from generator.evidence.verification.verdict import Verdict
+from generator.impacts.ball_ball.row import BALL_BALL
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.registry.lane_numbers import widths_for
 from generator.registry.names import name_of, variant_of
@@ -156,7 +157,7 @@ def test_collide_batch_goes_in_lanes_and_gives_what_single_calls_give(
     assert told["single"].width == 1 and told["batch"].width > 1
     if target == "native":
         family = told["batch"].stepper.family
-        assert told["batch"].width == max(widths_for(resolved, "any", family))
+        assert told["batch"].width == max(widths_for(resolved, BALL_BALL.find_scene("any"), family))
     if "--steps" in GOALS[goal]:
         assert told["batch"].stepper.steps == GOALS[goal][1]
     assert np.array_equal(got["single"][:, 12], got["batch"][:, 12])

@@ -37,7 +37,7 @@ REMAINING = {
         "the steppers step the slips of a pressed ball; seven for fixed steps",
     ),
     "generator/lowering/*": (1, "what is before and after a collision"),
-    "generator/registry/*": (7, "lanes that are balls, and reasons of rules"),
+    "generator/registry/*": (4, "lanes that are balls, and reasons of rules"),
     "generator/evidence/challenge/*": (8, "charts of a search among slips of balls"),
     "generator/evidence/profiling/*": (2, "cases are given to what counts"),
     "generator/evidence/records/*": (1, "scenes by name"),

@@ -9,6 +9,7 @@ from generator.evidence.verification.errors import STATUS
 from generator.evidence.verification.euler import euler_verdict
 from generator.evidence.verification.reference import MODELS, load_reference
 from generator.evidence.verification.worst_estimates import PATTERNS
+from generator.impacts.ball_ball.row import BALL_BALL
 from generator.registry.roots import allows_floats
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, fixed_steps, make_variant
@@ -69,7 +70,9 @@ def _variant(target, width, model, steps, options):
 def _exact(target, width, model, tableau, budget, options, scene="any"):
     stepper = Stepper(tableau, budget=budget)
     made = make_variant(target, scene, model, stepper, width, **options)
-    if made["numbers"] == "float" and not allows_floats(budget, model):  # `pooltool`: from 2.2e-5
+    if made["numbers"] == "float" and not allows_floats(
+        budget, BALL_BALL.sensitivity(model)
+    ):  # `pooltool`: from 2.2e-5
         return _exact(target, width, model, tableau, 2.5e-5, options, scene)
     if broken_rule(made, find_target(target)) is None:
         return made

@@ -16,6 +16,7 @@ from generator.evidence.verification.errors import STATUS, Array, errors_of
 from generator.evidence.verification.floors import SPEEDS, nudged, rounding_of
 from generator.evidence.verification.hard_cases import FILE as FILE
 from generator.evidence.verification.reference import MODELS as MODELS
+from generator.impacts.ball_ball.row import BALL_BALL
 from generator.registry.presets import find_preset
 from generator.registry.roots import COARSEST_FIRST, allows
 from generator.registry.rules import broken_rule
@@ -45,7 +46,11 @@ def portable_target() -> Target:
 
 def roots_for(budget: float, model: str, target: Target) -> tuple[str, ...]:
     """Choices of 1/sqrt that the rules allow for a budget, the coarsest first."""
-    return tuple(code for code in COARSEST_FIRST if allows(budget, model, code, target))
+    return tuple(
+        code
+        for code in COARSEST_FIRST
+        if allows(budget, BALL_BALL.sensitivity(model), code, target)
+    )
 
 
 def exact_variant(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..impact import Body, Functions, Impact, Result, Status, Words
+from ..impact import Body, Functions, Impact, Result, Sensitivity, Status, Words
 from . import scene, words
 from .columns import COLUMNS
 from .models import DEFAULT_MODEL, MODELS
@@ -17,6 +17,11 @@ _STATUSES = (
 
 def _words() -> Words:
     return words
+
+
+def _sensitivity(_model: str) -> Sensitivity:
+    """As between two balls, until it is measured."""
+    return Sensitivity(2.4, adds_up=True)
 
 
 BALL_CUSHION = Impact(
@@ -38,4 +43,6 @@ BALL_CUSHION = Impact(
     model_table=lambda: MODELS,
     scene_table=lambda: scene.scenes(),  # asked anew: the one table, whoever has added to it
     words=_words,
+    sensitivity=_sensitivity,
+    axes=frozenset({"root", "fma", "lane_root", "interleave", "numbers", "compiler", "flags"}),
 )
