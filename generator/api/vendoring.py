@@ -13,7 +13,7 @@ from ..vendoring.folder import require_replaceable, staged, write_files
 from ..vendoring.job import Comparison, all_files, compare
 from ..vendoring.kernels import Places, TargetKernels, kernels_for, stored_kernels
 from ..vendoring.manifest import read_manifest
-from ..vendoring.request import VendorRequest, checked_targets, make_request
+from ..vendoring.request import VendorRequest, checked, checked_targets
 from .session import Session, resolve_target
 
 
@@ -43,14 +43,16 @@ class VendorOptions:
         """What the names stand for. Raises InputError naming the one that cannot be."""
         find_impact(self.impact)
         native = resolve_target("native")[0].name if "native" in self.targets else ""
-        return make_request(
-            checked_targets(",".join(self.targets), native),
-            self.scene,
-            self.model,
-            Goal(self.steps, self.max_error),
-            self.prefix,
-            self.single_header,
-            self.reproducible,
+        return checked(
+            VendorRequest(
+                checked_targets(",".join(self.targets), native),
+                self.scene,
+                self.model or "",
+                Goal(self.steps, self.max_error),
+                self.prefix,
+                self.single_header,
+                self.reproducible,
+            )
         )
 
 

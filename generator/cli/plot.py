@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -21,15 +22,7 @@ from .show import rows_of, session, show
 @options.SCENE
 @options.MODEL
 @options.seconds(60.0, "all kernels", least=1)
-def plot(
-    out: Path,
-    models: bool,
-    source: Path | None,
-    target: str,
-    scene: str,
-    model: str | None,
-    seconds: float,
-) -> None:
+def plot(out: Path, models: bool, source: Path | None, **asked: Any) -> None:
     """Draw time against error of fixed steps and exact steppers; its data goes beside as JSON."""
     if out.suffix != ".svg":
         raise InputError(f"{out}: expected the name of an SVG file, as plot.svg")
@@ -43,7 +36,7 @@ def plot(
         data = out.with_suffix(".json")
         require_place(data)
         with session() as told:
-            measured = api.measure_plot(target, scene, model, seconds, told)
+            measured = api.measure_plot(**asked, session=told)
         picture, text = api.plot_text(measured)
         write_file(data, text)
         write_file(out, picture)

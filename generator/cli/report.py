@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -27,22 +28,14 @@ from .show import session
 @options.MODEL
 @click.option("--measure", is_flag=True, help="first measure what no sweep keeps (minutes)")
 @options.seconds(10.0, "each of the four things that --measure times", least=1)
-def report(
-    out: Path,
-    store: Path | None,
-    target: str,
-    scene: str,
-    model: str | None,
-    measure: bool,
-    seconds: float,
-) -> None:
+def report(out: Path, measure: bool, seconds: float, **asked: Any) -> None:
     """Lay out a stored sweep and what was measured as one page; its data goes beside as JSON."""
     if out.suffix != ".html":
         raise InputError(f"{out}: expected the name of an HTML file, as report.html")
     data = out.with_suffix(".json")
     require_place(out)
     require_place(data)
-    request = api.ReportRequest(target, scene, model, store, seconds if measure else None, out)
+    request = api.ReportRequest(**asked, seconds=seconds if measure else None, out=out)
     with session() as told:
         made = api.report(request, told)
     write_file(data, made.data)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..impacts.impact import Functions, Impact
 from ..impacts.scene import BaseScene
-from .banner import bannered, impact_modules
+from .banner import Banner, bannered, impact_modules
 from .context import Field
 from .formatting import format_source
 from .parameters import fields_of
@@ -104,7 +104,7 @@ def header_of(
     scenes = (scene.model_dump_json() for _, scene in parts)
     modules = (text for impact, _ in parts for text in impact_modules(impact.folder))
     data = (*scenes, prefix, repr(use), *modules)
-    text = bannered("carom.h.j2", {"scene": named}, remake, data, values, "/*")
+    text = bannered("carom.h.j2", values, Banner({"scene": named}, remake, data, "/*"))
     return format_source(text, f"{prefix}.h")
 
 

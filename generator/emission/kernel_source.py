@@ -15,7 +15,7 @@ from ..registry.names import source_name_of, source_recipe_of
 from ..registry.rules import require_legal
 from ..registry.variant import Variant
 from ..targets.target import Target, target_or_port
-from .banner import bannered, impact_modules
+from .banner import Banner, bannered, impact_modules
 from .context import KernelContext, KernelHead, Naming, kernels_of
 from .environment import environment
 from .formatting import format_source
@@ -111,10 +111,11 @@ def _text(context: KernelContext, command: str | None, grounds: str) -> str:
         "counts": f"{context.counts.describe()} {_COUNTED[variant.stepper.family]}",
     }
 
+    banner = Banner(rows, command or f"./gen emit {name}", data, grounds=grounds)
+
     def filled(k: KernelContext) -> str:
         shown = {"k": k, **k.shown}
-        remake = command or f"./gen emit {name}"
-        return bannered("kernel.cpp.j2", rows, remake, data, shown, grounds=grounds)
+        return bannered("kernel.cpp.j2", shown, banner)
 
     text = filled(context)
     if line := isa.estimates_line(text):

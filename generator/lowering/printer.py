@@ -16,10 +16,6 @@ from .counts import OperationCounts
 
 # Functions that a kernel may call, by how they print and what they count as.
 Sqrt = sp.Function("Sqrt", real=True)
-Select = sp.Function("Select", real=True)
-AbsValue = sp.Function("AbsValue", real=True)
-MaxOf = sp.Function("MaxOf", real=True)
-MinOf = sp.Function("MinOf", real=True)
 Divide = sp.Function("Divide", real=True)
 Fma = sp.Function("Fma", real=True)
 Plus = sp.Function("Plus", real=True)  # a sum whose order stays as written
@@ -138,11 +134,7 @@ class ExpressionPrinter:
             return f"{top} / {bottom}", 2, counts_top + counts_bottom + OperationCounts(div=1)
         spelled = {
             "Sqrt": ("std::sqrt", OperationCounts(sqrt=1)),
-            "AbsValue": ("std::fabs", OperationCounts()),
-            "MaxOf": ("std::fmax", OperationCounts(compare=1)),
-            "MinOf": ("std::fmin", OperationCounts(compare=1)),
             "Fma": (self.fma_name, OperationCounts(fma=1)),
-            "Select": ("select", OperationCounts(select=1)),
         }
         if name not in spelled:
             raise TypeError(f"the printer does not know the function {name}")

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from ..impacts.impact import Functions
 from ..lowering.isa import compiled_features
-from ..registry.question import symbol_of
+from ..registry.question import DEFAULT_IMPACT, find_impact, symbol_of
 from ..targets.host import KNOWN_CPUS, KnownCpu
 from ..targets.target import Target, find_target, targets
 from .request import VendorRequest
@@ -46,12 +47,17 @@ class Feature:
 
 
 @dataclass(frozen=True)
-class Functions:
-    """The functions of one kernel, as emission's templates ask for their names."""
+class Exports:
+    """The functions of one kernel, as templates/sections/signatures.j2 asks for them."""
 
     prefix: str
     symbol: str
     fixed_step: bool
+    abi: Functions
+
+    @property
+    def varied(self) -> str:
+        return self.abi.varied
 
 
 @dataclass(frozen=True)
@@ -59,13 +65,13 @@ class Unit:
     """The kernels of one target."""
 
     target: str
-    single: Functions
-    batch: Functions  # the same, or those of a kernel for batches alone
+    single: Exports
+    batch: Exports  # the same, or those of a kernel for batches alone
     guard: str  # preprocessor condition of its architecture
     needs: str  # an expression of the features' constants
 
     @property
-    def kernels(self) -> tuple[Functions, ...]:
+    def kernels(self) -> tuple[Exports, ...]:
         return (self.single,) if self.single == self.batch else (self.single, self.batch)
 
 
@@ -142,9 +148,11 @@ def dispatch_context(
 ) -> DispatchContext:
     """Everything that the dispatcher's text shows. `batches`: targets with a kernel for batches."""
 
-    def functions(name: str, batch: bool) -> Functions:
+    abi = find_impact(DEFAULT_IMPACT).functions
+
+    def functions(name: str, batch: bool) -> Exports:
         symbol = f"{request.prefix}_{unit_of(name, batch)}"
-        return Functions(request.prefix, symbol, request.fixed_step)
+        return Exports(request.prefix, symbol, request.fixed_step, abi)
 
     order = preferred_order(request.targets)
     told_apart = {cpu.has for cpu in KNOWN_CPUS}

@@ -24,7 +24,7 @@ from ..errors import InputError
 from ..impacts.ball_ball.scene import find_scene
 from ..registry.question import Goal
 from .kernels import TargetKernels
-from .request import VendorRequest, make_request
+from .request import VendorRequest, checked
 
 FILE = "manifest.json"
 
@@ -94,8 +94,10 @@ class Manifest(_Strict):
         """The request that the folder was made for. InputError where it can be made no more."""
         o = self.options
         goal = Goal(o.steps, o.max_error)
-        return make_request(
-            o.targets, o.scene, o.model, goal, o.prefix, o.single_header, o.reproducible
+        return checked(
+            VendorRequest(
+                o.targets, o.scene, o.model, goal, o.prefix, o.single_header, o.reproducible
+            )
         )
 
     def chosen(self) -> dict[str, TargetKernels]:

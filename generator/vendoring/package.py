@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from .. import __version__
 from ..choice.selection import Selected
-from ..emission.banner import bannered
+from ..emission.banner import Banner, bannered
 from ..emission.context import Field, Naming
 from ..emission.environment import environment
 from ..emission.formatting import format_source
@@ -219,5 +219,5 @@ def _page(
     """A template filled, with the banner on top; `formatted_as`: a file name for clang-format."""
     made_for = {"package": f"{request.prefix}, scene {request.scene}, model {request.model}"}
     page = f"vendor/{template}.j2"
-    text = bannered(page, made_for, request.command, [repr(request)], values, comment)
+    text = bannered(page, values, Banner(made_for, request.command, (repr(request),), comment))
     return format_source(text, formatted_as) if formatted_as else text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..errors import InputError
 from ..impacts.ball_ball.models import find_model
@@ -32,7 +32,7 @@ class VendorRequest:
 
     targets: tuple[str, ...]  # names of targets.toml, as asked for; never `native`
     scene: str
-    model: str
+    model: str  # empty: the scene's own
     goal: Goal
     prefix: str = "carom"
     single_header: bool = False
@@ -78,20 +78,12 @@ def checked_targets(names: str, native: str) -> tuple[str, ...]:
     return tuple(found)
 
 
-def make_request(
-    targets: tuple[str, ...],
-    scene: str,
-    model: str | None,
-    goal: Goal,
-    prefix: str,
-    single_header: bool,
-    reproducible: bool = False,
-) -> VendorRequest:
+def checked(asked: VendorRequest) -> VendorRequest:
     """A request with the scene's own model and budget where none is named.
 
     Raises InputError naming the option that cannot be.
     """
-    known = find_scene(scene)
+    known, goal = find_scene(asked.scene), asked.goal
     if goal.steps is not None and goal.budget is not None:
         raise InputError("--steps and --max-error exclude each other: name one of them")
     if goal.steps is None:
@@ -100,12 +92,11 @@ def make_request(
         plan_for(budget)
         known.require_budget(budget)
     elif not known.fixed_steps:
-        raise InputError(f"--steps: scene {scene} has no fixed-step scheme; use --max-error")
-    model = find_model(model or known.model).name
-    if reproducible:
-        _require_reproducible(targets, known)
-    own = checked_prefix(prefix)
-    return VendorRequest(targets, scene, model, goal, own, single_header, reproducible)
+        raise InputError(f"--steps: scene {asked.scene} has no fixed-step scheme; use --max-error")
+    if asked.reproducible:
+        _require_reproducible(asked.targets, known)
+    model = find_model(asked.model or known.model).name
+    return replace(asked, model=model, goal=goal, prefix=checked_prefix(asked.prefix))
 
 
 def _require_reproducible(targets: tuple[str, ...], scene: Scene) -> None:

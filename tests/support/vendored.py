@@ -16,7 +16,7 @@ from generator.targets.target import find_target
 from generator.vendoring.folder import write_files
 from generator.vendoring.job import all_files
 from generator.vendoring.kernels import TargetKernels
-from generator.vendoring.request import VendorRequest, make_request
+from generator.vendoring.request import VendorRequest, checked
 from tests.support.kernels import bench_tool
 
 EXACT = Goal(budget=1e-6)
@@ -30,8 +30,8 @@ PAIRS = [  # C++ and C compilers of one make
 
 def request_for(targets: str, goal: Goal = EXACT, **options: object) -> VendorRequest:
     """A request with the defaults of the command."""
-    given = {"scene": "any", "model": None, "prefix": "carom", "single_header": False, **options}
-    return make_request(tuple(targets.split(",")), goal=goal, **given)  # type: ignore[arg-type]
+    given = {"scene": "any", "model": "", **options}
+    return checked(VendorRequest(tuple(targets.split(",")), goal=goal, **given))  # type: ignore[arg-type]
 
 
 def record_for(request: VendorRequest, target: str, width: int = 1) -> Selected:
