@@ -9,23 +9,25 @@ from .. import words
 from ..models import find_model
 from ..scene import Scene
 from .context import CushionContext
+from .exact import exact_method, exact_stepper
 from .fixed import fixed_step_method, fixed_step_parts
+from .forms import exact_parts
 
 # Options that these kernels have; all others only at their default.
 _OPTIONS = ("fma", "compiler", "flags")
 
 
 class BallCushionKernels:
-    """Kernels by pooltool's fixed steps."""
+    """Kernels by pooltool's fixed steps, and exact ones."""
 
     def context(self, head: KernelHead) -> KernelContext:
         scene = head.scene
         if not isinstance(scene, Scene):
             raise TypeError(f"{scene.name}: a scene of a ball and a cushion is wanted")
         _require_options(head)
-        if not head.fixed_step:
-            raise InputError("ball-cushion: no exact kernels yet; expected --steps")
-        return _fixed_step(head, scene)
+        if head.variant.width > 1:
+            raise InputError(f"{head.impact.name}: batches have no lanes yet; expected width 1")
+        return _fixed_step(head, scene) if head.fixed_step else _exact(head, scene)
 
 
 KERNELS: Kernels = BallCushionKernels()
@@ -52,4 +54,21 @@ def _fixed_step(head: KernelHead, scene: Scene) -> CushionContext:
         counts=parts.counts,
         method=fixed_step_method(head.steps, parts.counts),
         scheme=parts,
+    )
+
+
+def _exact(head: KernelHead, scene: Scene) -> CushionContext:
+    variant = head.variant
+    budget = variant.stepper.budget or 0.0
+    scene.require_budget(budget)
+    stepper = exact_stepper(variant.stepper.name, budget, exact_parts(head.places_fma))
+    return CushionContext(
+        **{**vars(head), "scene": scene},
+        body="ball_cushion/exact.j2",
+        one="ball_cushion/collide_one.j2",
+        batch=False,
+        checks_template="ball_cushion/checks.j2",
+        counts=stepper.parts.step_counts,
+        method=exact_method(stepper),
+        shown={"x": stepper},
     )

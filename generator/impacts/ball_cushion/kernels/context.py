@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ....emission.context import KernelContext
+from ..models import find_model
 from ..scene import Scene
 from .fixed import FixedStepParts
 
@@ -17,5 +18,10 @@ class CushionContext(KernelContext):
     scheme: FixedStepParts | None = None
 
     @property
-    def radius_varies(self) -> bool:
-        return any(f.name == "R" for f in self.fields)
+    def clamped(self) -> bool:
+        """Does the table only push?"""
+        return find_model(self.variant.model).terms.clamped
+
+    def fma(self, a: str, b: str, c: str) -> str:
+        """a * b + c as this kernel rounds it."""
+        return f"std::fma({a}, {b}, {c})" if self.places_fma else f"{a} * {b} + {c}"
