@@ -1,0 +1,101 @@
+"""The form of the generator: how long, how many, and what is declared once.
+
+Where a limit does not hold yet, what is over stands in a list with its figure. It may only shrink:
+something new that is over fails, and so does an entry that no longer needs to be listed.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping
+
+from tests.support.kernels import ROOT
+
+MODULE_LINES, FUNCTION_LINES, PARAMETERS = 300, 50, 6
+
+LONG_MODULES = {
+    "choice/trials.py": 317,
+    "steppers/exact/context.py": 422,
+    "steppers/exact/step.py": 441,
+}
+LONG_FUNCTIONS = {"steppers/exact/context.py: _pressed_context": 95}
+MANY_PARAMETERS = {
+    "evidence/timing/bench_tool.py: run_kernel": 8,
+    "registry/variant.py: make_variant": 7,
+    "steppers/exact/step.py: __init__": 8,
+}
+ASSERTED_TO_BE_THERE = {
+    "choice/verifying.py": 2,
+    "evidence/challenge/hunts.py": 1,
+    "evidence/challenge/islands.py": 1,
+    "evidence/verification/exact.py": 1,
+    "steppers/exact/context.py": 1,
+}
+RATIO_CI = {
+    "choice/choose.py": 1,
+    "choice/selection.py": 1,
+    "choice/trials.py": 1,
+    "evidence/records/record.py": 1,
+    "evidence/timing/ratios.py": 1,
+    "report/figures/scene_costs.py": 1,
+    "report/figures/speed_error.py": 1,
+}
+
+
+def _modules() -> Iterator[tuple[str, str]]:
+    folder = ROOT / "generator"
+    for path in sorted(folder.rglob("*.py")):
+        yield path.relative_to(folder).as_posix(), path.read_text("utf-8")
+
+
+def _functions() -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
+    for name, text in _modules():
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                yield f"{name}: {node.name}", node
+
+
+def _parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    given = function.args
+    names = [a.arg for a in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
+    own = names[:1] in (["self"], ["cls"])
+    return len(names) - own + bool(given.vararg) + bool(given.kwarg)
+
+
+def _only(found: Mapping[str, int], listed: Mapping[str, int]) -> None:
+    """What is over is what is listed, and by no more than it is listed with."""
+    print(f"over: {dict(found)}")
+    new = {name: figure for name, figure in found.items() if figure > listed.get(name, 0)}
+    assert not new, "over the limit, or further over it than listed"
+    assert not set(listed) - set(found), "no longer over the limit: take it off the list"
+
+
+def test_no_module_has_over_300_lines() -> None:
+    lines = {name: len(text.splitlines()) for name, text in _modules()}
+    _only({name: n for name, n in lines.items() if n > MODULE_LINES}, LONG_MODULES)
+
+
+def test_no_function_has_over_50_lines() -> None:
+    lines = {name: (f.end_lineno or 0) - f.lineno + 1 for name, f in _functions()}
+    _only({name: n for name, n in lines.items() if n > FUNCTION_LINES}, LONG_FUNCTIONS)
+
+
+def test_no_function_has_more_than_six_parameters() -> None:
+    count = {name: _parameters(f) for name, f in _functions()}
+    _only({name: n for name, n in count.items() if n > PARAMETERS}, MANY_PARAMETERS)
+
+
+def test_nothing_is_asserted_to_be_there() -> None:
+    """A type says what is there: `assert x is not None` says that it does not."""
+    asserted = re.compile(r"^\s*assert .* is not None\b", re.MULTILINE)
+    count = {name: len(asserted.findall(text)) for name, text in _modules()}
+    _only({name: n for name, n in count.items() if n}, ASSERTED_TO_BE_THERE)
+
+
+def test_the_interval_of_a_ratio_is_declared_once() -> None:
+    declared = re.compile(r"^\s+ratio_ci\s*:", re.MULTILINE)
+    count = {name: len(declared.findall(text)) for name, text in _modules()}
+    found = {name: n for name, n in count.items() if n}
+    assert found, "it is declared at least once"
+    _only(found if sum(found.values()) > 1 else {}, RATIO_CI)
