@@ -61,9 +61,7 @@ def test_errors_keep_to_the_budget(model: str, budget: float, compiler: str) -> 
     found, status = kernel(model, budget, compiler)(CASES.rows)
     off = errors(found, wanted(model), CASES) / budget
     worst = int(np.argmax(off))
-    print(
-        f"{model} {budget:g}: {off[worst]:.3g} of the budget, {CASES.kinds[worst]} {CASES.ids[worst]}"
-    )
+    print(model, f"{budget:g}: {off[worst]:.3g} of it,", CASES.kinds[worst], CASES.ids[worst])
     assert (status == 0).all()
     assert off.max() <= 1
 

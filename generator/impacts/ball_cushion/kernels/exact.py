@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from ....lowering.printer import decimal_product, number
-from ....tableaus.tableaus import TABLEAUS, Row, Tableau
+from ....tableaus.tableau import Row, Tableau
+from ....tableaus.tableaus import TABLEAUS
 from .. import symbols as s
 from ..reduced import slip_rates
 from .forms import ExactParts
