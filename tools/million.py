@@ -22,7 +22,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from generator.evidence.timing.bench_tool import ROOT, BenchTool
-from generator.evidence.verification.reference import MODELS, load_reference
+from generator.impacts.ball_ball.evidence import MODELS
 from generator.registry.lane_numbers import float_lanes
 from generator.registry.names import name_of
 from generator.registry.variant import Variant
@@ -43,6 +43,7 @@ from tests.support.exact_kernels import (
 )
 from tests.support.kernels import bench_tool
 from tests.support.oracle_cache import Chunk, chunks, expected_of
+from tests.support.reference import load_reference
 
 COUNT = 1_000_000
 REPORT = ROOT / "build" / "exact_errors.json"

@@ -25,10 +25,10 @@ import numpy as np
 from generator.choice.folder import checked_selection, folders
 from generator.emission.kernel_source import KernelSource, emit
 from generator.evidence.timing.bench_tool import ROOT, BenchTool
-from generator.evidence.verification.euler import euler_verdict
-from generator.evidence.verification.reference import MODELS
-from generator.evidence.verification.scene_cases import cases_for_scene
 from generator.evidence.verification.worst_estimates import PATTERNS, Pattern, at_worst
+from generator.impacts.ball_ball.evidence import MODELS
+from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
+from generator.impacts.ball_ball.evidence.scene_cases import cases_for_scene
 from generator.impacts.ball_ball.scene import find_scene
 from generator.lowering.isa import estimates_in
 from generator.registry.names import name_of

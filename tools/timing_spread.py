@@ -20,10 +20,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 
 from generator.choice.candidates import default_lanes
-from generator.choice.cases import BATCH_PARAMETERS, TIMING_CASES, TIMING_SEED
+from generator.choice.cases import TIMING_CASES, TIMING_SEED
 from generator.evidence.timing.bench_tool import BenchTool
 from generator.evidence.timing.plan import PlannedKernel, TimingPlan
 from generator.evidence.timing.ratios import timing_results, timing_run
+from generator.impacts.ball_ball.evidence import SHARED
 from generator.registry.names import name_of
 from generator.sweep.explore import TRIAL_SECONDS
 from generator.sweep.ladder import QUIET, RUNGS
@@ -41,7 +42,7 @@ def plan_of(tool: BenchTool, model: str, rounds: int) -> TimingPlan:
         PlannedKernel(name_of(single), paths[0]),
         PlannedKernel(name_of(lanes), paths[1], batch=True),
     )
-    cases = tool.make_cases(TIMING_SEED, TIMING_CASES, fixed=BATCH_PARAMETERS).rows
+    cases = tool.make_cases(TIMING_SEED, TIMING_CASES, fixed=SHARED).rows
     return TimingPlan(cases, kernels, kernels[0].name, rounds=rounds, seconds=TRIAL_SECONDS)
 
 

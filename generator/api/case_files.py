@@ -6,6 +6,7 @@ import csv
 import io
 import math
 import textwrap
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,65 +14,68 @@ import numpy as np
 
 from ..errors import InputError
 from ..evidence.verification.errors import Array
-from ..evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
-from ..impacts.ball_ball.parameters import LIMITS
+from ..impacts.impact import Impact
+from ..registry.question import DEFAULT_IMPACT, find_impact
 
+Limits = Mapping[str, tuple[float, float]]
 _OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 
 
 @dataclass(frozen=True)
 class CaseTable:
-    """Rows of 24 in the columns of verification.errors, with the ids as they were written."""
+    """Rows in the columns of an impact, with the ids as they were written."""
 
     ids: tuple[str, ...]
     rows: Array
 
 
-def _number(text: str | None, path: Path, line: int, name: str) -> float:
+def _number(text: str | None, place: str, name: str, limits: Limits) -> float:
     plain = (text or "").replace("_", "x")  # Python alone reads 1_000 as a number
     try:
         value = float.fromhex(plain) if "0x" in plain.lower() else float(plain)
     except ValueError:
         shown = f"'{textwrap.shorten(text, 40)}'" if text else "nothing"
         raise InputError(
-            f"{path}: row {line}, column {name}: {shown} is no number; write one as 0.05"
+            f"{place}, column {name}: {shown} is no number; write one as 0.05"
         ) from None
-    if name in LIMITS and not math.isnan(value):
-        low, high = LIMITS[name]
+    if name in limits and not math.isnan(value):
+        low, high = limits[name]
         if not low <= value <= high:
             raise InputError(
-                f"{path}: row {line}, column {name}: {value:g} is out of range; "
-                f"expected {low:g} to {high:g}"
+                f"{place}, column {name}: {value:g} is out of range; expected {low:g} to {high:g}"
             )
     return value
 
 
-def _require_columns(header: list[str], path: Path) -> None:
+def _known(impact: str) -> tuple[tuple[str, ...], Limits]:
+    """The columns of a case, and the ranges of its parameters."""
+    row: Impact = find_impact(impact)
+    return row.columns.case, {p.name: (p.low, p.high) for p in row.parameters}
+
+
+def _require_columns(header: list[str], path: Path, names: tuple[str, ...]) -> None:
     """Raise InputError where the first row does not name every column once."""
-    wanted = ("id", *CASE_NAMES)
+    wanted = ("id", *names)
     if not any(header):
-        raise InputError(
-            f"{path}: row 1: is empty, no column id; expected id,{','.join(CASE_NAMES)}"
-        )
+        raise InputError(f"{path}: row 1: is empty, no column id; expected id,{','.join(names)}")
     for mark, name in _OTHER_SEPARATORS.items():
         words = {word.strip(' "') for word in ",".join(header).split(mark)}
-        if not words.isdisjoint(CASE_NAMES) and set(header).isdisjoint(CASE_NAMES):
+        if not words.isdisjoint(names) and set(header).isdisjoint(names):
             raise InputError(
                 f"{path}: row 1: its columns are separated by {name}; expected commas, and a point "
                 "in numbers, as 0.05"
             )
     missing = [name for name in wanted if name not in header]
     if missing:
-        raise InputError(
-            f"{path}: row 1: no column {missing[0]}; expected id,{','.join(CASE_NAMES)}"
-        )
+        raise InputError(f"{path}: row 1: no column {missing[0]}; expected id,{','.join(names)}")
     twice = [name for name in wanted if header.count(name) > 1]
     if twice:
         raise InputError(f"{path}: row 1: column {twice[0]} twice; expected it once")
 
 
-def read_cases(path: Path) -> CaseTable:
+def read_cases(path: Path, impact: str = DEFAULT_IMPACT) -> CaseTable:
     """Cases by header name, extra columns ignored. InputError names file, row and column."""
+    columns, limits = _known(impact)
     try:
         text = path.read_text("utf-8-sig")
     except OSError as error:
@@ -82,7 +86,7 @@ def read_cases(path: Path) -> CaseTable:
     ids, rows = [], []
     try:
         header = [name.strip() for name in reader.fieldnames or []]
-        _require_columns(header, path)
+        _require_columns(header, path, columns)
         reader.fieldnames = header
         for record in reader:
             if None in record:
@@ -93,7 +97,8 @@ def read_cases(path: Path) -> CaseTable:
             if not any((value or "").strip() for value in record.values()):
                 continue  # a blank line, or one of commas alone
             ids.append(record["id"])
-            rows.append([_number(record[n], path, reader.line_num, n) for n in CASE_NAMES])
+            place = f"{path}: row {reader.line_num}"
+            rows.append([_number(record[name], place, name, limits) for name in columns])
     except csv.Error as error:
         raise InputError(f"{path}: row {reader.line_num}: not CSV: {error}") from None
     if not rows:
@@ -101,11 +106,13 @@ def read_cases(path: Path) -> CaseTable:
     return CaseTable(tuple(ids), np.array(rows))
 
 
-def outcome_text(ids: tuple[str, ...], outcomes: Array) -> str:
-    """CSV of outcomes: id, v1x..w2z, status; numbers that read back to the same double."""
+def outcome_text(ids: tuple[str, ...], outcomes: Array, impact: str = DEFAULT_IMPACT) -> str:
+    """CSV of outcomes: id, velocities, status; numbers that read back to the same double."""
+    columns = find_impact(impact).columns
     stream = io.StringIO(newline="")
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["id", *OUTCOME_NAMES, "status"])
+    writer.writerow(["id", *columns.velocities, "status"])
     for identity, row in zip(ids, outcomes, strict=True):
-        writer.writerow([identity, *(repr(float(x)) for x in row[:12]), int(row[12])])
+        velocities = (repr(float(x)) for x in row[: columns.status])
+        writer.writerow([identity, *velocities, int(row[columns.status])])
     return stream.getvalue()

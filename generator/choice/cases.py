@@ -10,12 +10,12 @@ import numpy as np
 
 from ..evidence.records.code import key_of
 from ..evidence.timing.bench_tool import BenchTool, Method
-from ..evidence.verification.errors import EXPECTED_COLUMNS, Array
-from ..evidence.verification.floors import rounding_of
+from ..evidence.verification.errors import Array
+from ..evidence.verification.evidence import Evidence, evidence_of
 from ..evidence.verification.hard_cases import NEIGHBOURS, load_hard, moved_by, neighbours
-from ..evidence.verification.reference import EULER_STEPS, load_reference
-from ..evidence.verification.scene_cases import cases_for_scene
-from ..impacts.ball_ball.scene import Scene, find_scene
+from ..evidence.verification.reference import load_reference
+from ..impacts.impact import Impact
+from ..impacts.scene import BaseScene
 from ..registry.variant import Variant
 from .store import Store
 from .verifying import Expected, HardCases
@@ -27,13 +27,11 @@ VERIFY_RANDOM = 5000
 TIMING_SEED = 7735
 TIMING_CASES = 4096
 EMULATED = 5  # of the cases one in so many runs under an emulator, which takes ms for each
-# A batch has one R, M, u_s and e_b: those of a pool table.
-BATCH_PARAMETERS = {"R": 0.028575, "M": 0.170097, "u_s1": 0.2, "u_s2": 0.2, "e_b": 0.95}
 
 
 @dataclass
 class Cases:
-    """Cases of any scene and model. `every`: one in so many is taken."""
+    """Cases of any scene and model of the tool's impact. `every`: one in so many is taken."""
 
     tool: BenchTool
     store: Store
@@ -42,6 +40,14 @@ class Cases:
     _expected: dict[tuple[object, ...], Expected] = field(default_factory=dict)
     _timed: dict[tuple[str, str, bool], Array] = field(default_factory=dict)
     _lock: RLock = field(default_factory=RLock)
+
+    @property
+    def impact(self) -> Impact:
+        return self.tool.impact
+
+    @property
+    def evidence(self) -> Evidence:
+        return evidence_of(self.impact)
 
     def of(self, variant: Variant) -> Expected:
         """Those that a kernel is verified on."""
@@ -63,7 +69,7 @@ class Cases:
         with self._lock:
             if key not in self._expected:
                 self.progress("computing expected results", 0, 1)
-                made = self._made(find_scene(scene), model, steps, seed, random)
+                made = self._made(self.impact.find_scene(scene), model, steps, seed, random)
                 self._expected[key] = made if self.every == 1 else thinned(made, self.every)
                 self.progress("computing expected results", 1, 1)
             return self._expected[key]
@@ -71,36 +77,40 @@ class Cases:
     def timed(self, scene: str, model: str, batches: bool = False) -> Array:
         """The random cases that kernels are timed on, adapted to the scene.
 
-        `batches`: with the same parameters for all but u_b, which is what a batch can take.
+        `batches`: with the same parameters for all but the varied one, as a batch takes them.
         """
         key = (scene, model, batches)
         with self._lock:
             if key not in self._timed:
-                fixed = BATCH_PARAMETERS if batches else None
+                fixed = self.evidence.shared if batches else None
                 made = self.tool.make_cases(TIMING_SEED, TIMING_CASES, fixed=fixed).rows
-                self._timed[key] = cases_for_scene(find_scene(scene), made, model)
+                known = self.impact.find_scene(scene)
+                self._timed[key] = self.evidence.cases_for_scene(known, made, model)
             return self._timed[key]
 
     def _made(
-        self, scene: Scene, model: str, steps: int | None, seed: int, random: int
+        self, scene: BaseScene, model: str, steps: int | None, seed: int, random: int
     ) -> Expected:
-        made, reference = self.tool.make_cases(seed, random, mixed=False), load_reference()
-        cases = cases_for_scene(scene, np.vstack([reference.cases, made.rows]), model)
+        evidence = self.evidence
+        made = self.tool.make_cases(seed, random, mixed=False)
+        reference = load_reference(evidence.reference)
+        cases = evidence.cases_for_scene(scene, np.vstack([reference.cases, made.rows]), model)
         exact = self._oracle(cases, "exact", model, 0, scene.oracle_options)
-        euler = pooltool = None
+        euler = published = None
         if steps is not None and scene.fixed_steps:
             euler = self._oracle(cases, "euler", model, steps)
-        if scene.unrestricted and model == "pooltool" and steps == EULER_STEPS:
-            pooltool = reference.euler_pooltool
+        if scene.unrestricted and steps is not None:
+            published = reference.published.get((model, steps))
         hard = self._hard(scene, model)
+        kept = load_hard(evidence.hard_cases, self.impact.columns.case)[0]
         named = zip(reference.ids, reference.kinds, strict=True)
         adapted = "reference" if scene.unrestricted else "adapted"
         labels = (
             *(f"{adapted} {i} ({kind})" for i, kind in named),
             *(f"random {i} ({kind})" for i, kind in enumerate(made.kinds)),
-            *(f"hard {i} ({kind})" for i, kind in enumerate(load_hard()[0])),
+            *(f"hard {i} ({kind})" for i, kind in enumerate(kept)),
         )
-        every = (cases, exact, euler, pooltool, hard.cases, hard.exact, hard.steep)
+        every = (cases, exact, euler, published, hard.cases, hard.exact, hard.steep)
         return Expected(
             scene=scene.name,
             cases=cases,
@@ -109,17 +119,19 @@ class Cases:
             reference_rows=len(reference.cases) if scene.unrestricted else 0,
             seed=seed,
             labels=labels,
-            pooltool=pooltool,
+            pooltool=published,
             key=key_of(*(t if t is not None else "none" for t in every)),
             hard=hard,
         )
 
-    def _hard(self, scene: Scene, model: str) -> HardCases:
+    def _hard(self, scene: BaseScene, model: str) -> HardCases:
         """The kept hard cases in a scene, each with its neighbours asked for too."""
-        cases = cases_for_scene(scene, load_hard()[1], model)
-        rows = neighbours(cases)
+        evidence, measure = self.evidence, self.evidence.measure
+        known = load_hard(evidence.hard_cases, self.impact.columns.case)[1]
+        cases = evidence.cases_for_scene(scene, known, model)
+        rows = neighbours(cases, measure)
         exact = self._oracle(rows, "exact", model, 0, scene.oracle_options)
-        steep = np.maximum(moved_by(rows, exact), rounding_of(cases))
+        steep = np.maximum(moved_by(rows, exact, measure), measure.rounding_of(cases))
         return HardCases(cases, exact[::NEIGHBOURS], steep)
 
     def _oracle(
@@ -129,8 +141,8 @@ class Cases:
         return self.store.kept_array(
             "expected results",
             key,
-            EXPECTED_COLUMNS,
-            lambda: self.tool.expect(cases, method, model, steps or EULER_STEPS, more),
+            self.impact.columns.expected_width,
+            lambda: self.tool.expect(cases, method, model, steps or 1, more),
         )
 
 

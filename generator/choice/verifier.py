@@ -52,7 +52,7 @@ class Verifier:
         if not verdict.passed:
             return _failed(found, verdict, "verification")
         if pooltool is not None and not pooltool.passed:
-            return _failed(found, pooltool, "verification against euler_n1000.csv")
+            return _failed(found, pooltool, "verification against pooltool's own answers")
         return found
 
     def verify_at_worst(self, kernel: Verified) -> Verified | Rejected:
@@ -77,7 +77,8 @@ class Verifier:
 
     def _key(self, library: str, kernel: Emitted, *more: object) -> str:
         expected, goal = self.cases.of(kernel.variant).key, str(kernel.variant.stepper.goal)
-        return key_of(library, expected, verification_hash(), goal, self.patience, *more)
+        rules = verification_hash(self.tool.impact.folder)
+        return key_of(library, expected, rules, goal, self.patience, *more)
 
     def _runner(
         self, variant: Variant, library: Path, environment: Mapping[str, str] | None = None
@@ -101,7 +102,12 @@ def _failed(kernel: Verified, verdict: Verdict, against: str) -> Rejected:
 
 
 @cache
-def verification_hash() -> str:
-    """Hash of the rules of verification: a verdict holds only under the rules it was given by."""
-    folder = Path(__file__).parents[1] / "evidence" / "verification"
-    return key_of(*(path.read_text("utf-8") for path in sorted(folder.glob("*.py"))))
+def verification_hash(impact: str) -> str:
+    """Hash of the rules of verification: a verdict holds only under the rules it was given by.
+
+    `impact`: the folder of the one whose rules are asked for.
+    """
+    package = Path(__file__).parents[1]
+    folders = package / "evidence" / "verification", package / "impacts" / impact / "evidence"
+    files = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
+    return key_of(*(path.read_text("utf-8") for path in files))

@@ -9,8 +9,8 @@ from typing import Any, Literal
 import numpy as np
 
 from ..errors import KernelCrash, KernelError, KernelTimeout
-from ..evidence.verification.errors import OUTCOME_COLUMNS, STICKS, Array
-from ..evidence.verification.euler import FLIP_SHARE, euler_verdict
+from ..evidence.verification.errors import Array
+from ..evidence.verification.evidence import evidence_of
 from ..evidence.verification.exact import exact_verdict
 from ..evidence.verification.verdict import Verdict
 from ..evidence.verification.worst_estimates import PATTERNS
@@ -57,6 +57,7 @@ def _verdicts_of_calls(
 ) -> dict[str, Any]:
     """The same for calls one by one, or of the batch function."""
     steps, cases, exact = variant.stepper.steps, expected.cases, expected.exact
+    evidence = evidence_of(variant.question.row)
     steep = np.zeros(len(cases))
     if steps is None:
         cases = np.vstack([cases, expected.hard.cases])
@@ -69,17 +70,17 @@ def _verdicts_of_calls(
     if steps is None:
         budget = variant.stepper.budget
         assert budget is not None
-        verdict = exact_verdict(cases, got, exact, budget, steep)
+        verdict = exact_verdict(evidence.measure, cases, got, exact, budget, steep)
         return {"oracle": asdict(verdict), "pooltool": None}
     assert expected.euler is not None
-    verdict = euler_verdict(cases, got, expected.euler, exact, steps)
+    verdict = evidence.fixed_verdict(cases, got, expected.euler, exact, steps)
     theirs = None
     if expected.pooltool is not None:
-        n = expected.reference_rows
-        marks = expected.euler[:n, STICKS:]
-        own = np.hstack([expected.pooltool[:, :OUTCOME_COLUMNS], marks])
-        share = FLIP_SHARE * len(cases) / n  # flips count over all cases, and all are counted
-        theirs = asdict(euler_verdict(cases[:n], got[:n], own, exact[:n], steps, share))
+        n, columns = expected.reference_rows, variant.question.row.columns
+        marks = expected.euler[:n, columns.sticks :]
+        own = np.hstack([expected.pooltool[:, : columns.outcome_width], marks])
+        share = evidence.flip_share * len(cases) / n  # flips count over all cases
+        theirs = asdict(evidence.fixed_verdict(cases[:n], got[:n], own, exact[:n], steps, share))
     return {"oracle": asdict(verdict), "pooltool": theirs}
 
 

@@ -23,7 +23,6 @@ from ..evidence.timing.bench_tool import BenchTool
 from ..evidence.timing.emulated import EmulatedRunner
 from ..evidence.timing.plan import PlannedKernel, TimingPlan
 from ..evidence.verification.reference import load_reference
-from ..impacts.ball_ball.scene import find_scene
 from ..lowering.isa import estimates_in
 from ..registry.names import source_name_of
 from ..registry.question import Contest
@@ -182,14 +181,14 @@ class Workbench:
             cpu=cpu,
             call=contest.call,
             cases=key_of(expected.key, timed, timed.shape[1]),
-            rules=verification_hash(),
+            rules=verification_hash(self.tool.impact.folder),
             bench=self.tool.executable.name,
             timed=key_of(timed, timed.shape[1]),
         )
 
     def plan(self, job: TimingJob) -> TimingPlan:
         """A job as carom_bench takes it."""
-        scene, batches = job.kernels[-1].variant.scene, job.batches
+        asked, batches = job.kernels[-1].variant.question, job.batches
         kernels = tuple(
             PlannedKernel(
                 kernel.name,
@@ -200,11 +199,12 @@ class Workbench:
             for kernel in {kernel.name: kernel for kernel in job.kernels}.values()
         )
         seeds = None
-        if job.latency and not batches and find_scene(scene).unrestricted:
-            reference = load_reference()
-            seeds = reference.cases[reference.rows_of("seed_case")]
+        if job.latency and not batches and asked.known_scene.unrestricted:
+            evidence = self.cases.evidence
+            reference = load_reference(evidence.reference)
+            seeds = reference.cases[reference.rows_of(evidence.seeds)]
         return TimingPlan(
-            self.cases.timed(scene, job.baseline.variant.model, batches),
+            self.cases.timed(asked.scene, job.baseline.variant.model, batches),
             kernels,
             job.baseline.name,
             seeds,

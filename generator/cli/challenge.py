@@ -50,7 +50,7 @@ def challenge(
     **asked: Any,
 ) -> int:
     """Search for the input with the largest error of the chosen kernel, or of another."""
-    from ..evidence.verification.hard_cases import FILE
+    from ..evidence.challenge.kept import FILE
     from .challenge_lines import brief_line, lines
 
     own = {key: asked.pop(key) for key in _REQUEST}

@@ -41,8 +41,9 @@ def resource_of(target: str) -> str:
 def identify() -> Identity:
     """This machine, read from /proc/cpuinfo and from the sources."""
     host = read_host()
-    bench = source_hash(find_impact(DEFAULT))
-    return Identity(host.target.name, host.exact, host.cpu, verification_hash(), bench)
+    impact = find_impact(DEFAULT)
+    bench = source_hash(impact)
+    return Identity(host.target.name, host.exact, host.cpu, verification_hash(impact.folder), bench)
 
 
 @dataclass(frozen=True)

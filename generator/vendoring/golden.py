@@ -13,21 +13,11 @@ import numpy as np
 
 from ..errors import KernelError
 from ..evidence.timing.bench_tool import BenchTool
-from ..evidence.verification.errors import (
-    SLIPS,
-    STATUS,
-    STICKS,
-    VELOCITIES,
-    Array,
-    errors_of,
-    relative_speed,
-)
-from ..evidence.verification.euler import TOLERANCE
-from ..evidence.verification.reference import EULER_STEPS, load_reference
-from ..evidence.verification.scene_cases import cases_for_scene
-from ..impacts.ball_ball.parameters import CASE_M1
-from ..impacts.ball_ball.parameters import NAMES as PARAMETERS
-from ..impacts.ball_ball.scene import Scene
+from ..evidence.verification.errors import SLIPS, Array
+from ..evidence.verification.evidence import evidence_of
+from ..evidence.verification.reference import load_reference
+from ..impacts.impact import Impact
+from ..impacts.scene import BaseScene
 from ..registry.question import Goal
 
 _TRIED = 3  # cases of each kind, until one fits
@@ -43,32 +33,39 @@ class GoldenRow:
     kind: str
     radius: str  # m
     most: str  # m/s, the largest error admitted
-    speed: str  # m/s, |v1 - v2| before
+    speed: str  # m/s, what errors are relative to
     params: tuple[str, ...]  # those that the caller gives, in their order
-    balls: tuple[str, ...]  # 18
-    want: tuple[str, ...]  # v1, w1, v2, w2
+    bodies: tuple[str, ...]
+    want: tuple[str, ...]  # velocities
 
 
-def golden_rows(tool: BenchTool, scene: Scene, model: str, goal: Goal) -> tuple[GoldenRow, ...]:
+@dataclass(frozen=True)
+class _Wanted:
+    scene: BaseScene
+    goal: Goal
+
+
+def golden_rows(tool: BenchTool, scene: BaseScene, model: str, goal: Goal) -> tuple[GoldenRow, ...]:
     """One case of each kind of the reference, moved into the scene.
 
     Raises KernelError where no case of the reference can be moved there.
     """
-    kinds, cases = _candidates(scene, model)
+    kinds, cases = _candidates(tool.impact, scene, model)
     want, fits = _answers(tool, scene, model, goal, cases)
     rows, taken = [], set()
     for kind, case, answer, fit in zip(kinds, cases, want, fits, strict=True):
         shape = case.tobytes()
         if fit and kind not in taken and shape not in taken:
             taken |= {kind, shape}
-            rows.append(_row(kind, case, answer, scene, goal))
+            rows.append(_row(tool.impact, kind, case, answer, _Wanted(scene, goal)))
     if not rows:
         raise KernelError(f"scene {scene.name}: no case of the reference gives a golden vector")
     return tuple(rows)
 
 
-def _candidates(scene: Scene, model: str) -> tuple[tuple[str, ...], Array]:
-    reference = load_reference()
+def _candidates(impact: Impact, scene: BaseScene, model: str) -> tuple[tuple[str, ...], Array]:
+    evidence = evidence_of(impact)
+    reference = load_reference(evidence.reference)
     seen: dict[str, int] = {}
     rows = []
     for index, kind in enumerate(reference.kinds):
@@ -76,42 +73,45 @@ def _candidates(scene: Scene, model: str) -> tuple[tuple[str, ...], Array]:
         if seen[kind] <= _TRIED:
             rows.append(index)
     kinds = tuple(reference.kinds[i] for i in rows)
-    return kinds, cases_for_scene(scene, reference.cases[rows], model)
+    return kinds, evidence.cases_for_scene(scene, reference.cases[rows], model)
 
 
 def _answers(
-    tool: BenchTool, scene: Scene, model: str, goal: Goal, cases: Array
+    tool: BenchTool, scene: BaseScene, model: str, goal: Goal, cases: Array
 ) -> tuple[Array, Array]:
     """What must come out, and which cases may be asked for."""
+    evidence, columns = evidence_of(tool.impact), tool.columns
+    measure, sticks = evidence.measure, columns.sticks
     exact = tool.expect(cases, "exact", model, more=scene.oracle_options)
-    fits = (exact[:, STATUS] == 0) & (relative_speed(cases) > 0)
+    fits = (exact[:, columns.status] == 0) & (measure.speed(cases) > 0)
     if goal.steps is None:
         return exact, fits
-    steps = goal.steps or EULER_STEPS
-    want = tool.expect(cases, "euler", model, steps)
-    fits &= (exact[:, STICKS] == SLIPS) & (want[:, STICKS] == SLIPS)
+    want = tool.expect(cases, "euler", model, goal.steps)
+    fits &= (exact[:, sticks] == SLIPS) & (want[:, sticks] == SLIPS)
+    held = [*range(len(columns.parameters)), *evidence.level]
     rng = np.random.default_rng(_SEED)
     for _ in range(_MOVES):
         moved = cases * (1 + _MOVED_BY * rng.uniform(-1, 1, cases.shape))
-        moved[:, [8, 17]] = cases[:, [8, 17]]  # else the line of centres is tilted
-        moved[:, : len(PARAMETERS)] = cases[:, : len(PARAMETERS)]
-        found = tool.expect(moved, "euler", model, steps)
-        fits &= errors_of(cases, found, want).relative < _STILL
+        moved[:, held] = cases[:, held]
+        found = tool.expect(moved, "euler", model, goal.steps)
+        fits &= measure.errors_of(cases, found, want).relative < _STILL
     return want, fits
 
 
-def _row(kind: str, case: Array, answer: Array, scene: Scene, goal: Goal) -> GoldenRow:
-    speed = float(relative_speed(case[None, :])[0])
-    most = TOLERANCE if goal.budget is None else goal.budget * speed
-    given = {**dict(zip(PARAMETERS, case, strict=False)), "M1": CASE_M1}
+def _row(impact: Impact, kind: str, case: Array, answer: Array, wanted: _Wanted) -> GoldenRow:
+    evidence, columns = evidence_of(impact), impact.columns
+    goal, one = wanted.goal, case[None, :]
+    speed = float(evidence.measure.speed(one)[0])
+    most = evidence.tolerance if goal.budget is None else goal.budget * speed
+    given = {**dict(zip(columns.parameters, case, strict=False)), **evidence.given}
     return GoldenRow(
         kind=kind,
-        radius=float(case[0]).hex(),
+        radius=float(evidence.measure.radius(one)[0, 0]).hex(),
         most=most.hex(),
         speed=speed.hex(),
-        params=_hex(given[key] for key in scene.free) or ("0.0",),
-        balls=_hex(case[len(PARAMETERS) :]),
-        want=_hex(answer[:VELOCITIES]),
+        params=_hex(given[key] for key in wanted.scene.free) or ("0.0",),
+        bodies=_hex(case[len(columns.parameters) :]),
+        want=_hex(answer[: columns.status]),
     )
 
 

@@ -13,8 +13,8 @@ from generator import api
 from generator.choice.choose import Choice
 from generator.choice.selection import Selected
 from generator.errors import InputError
-from generator.evidence.verification.reference import FOLDER
 from tests.support.kernels import ROOT, variant
+from tests.support.reference import FOLDER
 
 sys.path.insert(0, str(ROOT / "tools"))
 

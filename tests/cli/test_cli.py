@@ -22,11 +22,10 @@ from generator.choice.folder import write_folder
 from generator.choice.selection import Selected, Selection, read_selection
 from generator.cli.main import gen
 from generator.errors import InputError
-from generator.evidence.verification.errors import OUTCOME_COLUMNS, STICKS
-from generator.evidence.verification.euler import euler_verdict
-from generator.evidence.verification.exact import exact_verdict
-from generator.evidence.verification.reference import FOLDER, OUTCOME_NAMES, load_reference
 from generator.evidence.verification.verdict import Verdict
+from generator.impacts.ball_ball.evidence import PUBLISHED
+from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
+from generator.impacts.ball_ball.evidence.measure import OUTCOME_COLUMNS, OUTCOME_NAMES, STICKS
 from generator.impacts.ball_ball.row import BALL_BALL
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.registry.lane_numbers import widths_for
@@ -38,6 +37,7 @@ from generator.targets.target import find_target, load_rows, targets
 from generator.toolchain.compilers import find_compilers
 from tests.support.hosts import skip_unless_runs
 from tests.support.kernels import ROOT, bench_tool, variant
+from tests.support.reference import FOLDER, exact_verdict, load_reference
 
 INPUTS = FOLDER / "inputs.csv"
 
@@ -103,7 +103,7 @@ def test_collide_reproduces_pooltool(target, code, tmp_path, monkeypatch) -> Non
     ids, got = outcomes(out)
     assert tuple(map(int, ids)) == reference.ids
     marks = tool.expect(reference.cases, "euler", "pooltool")[:, STICKS:]
-    want = np.hstack([reference.euler_pooltool[:, :OUTCOME_COLUMNS], marks])
+    want = np.hstack([reference.published[PUBLISHED][:, :OUTCOME_COLUMNS], marks])
     verdict = euler_verdict(reference.cases, got, want, reference.exact["pooltool"], 1000)
     print(
         f"{target} {code}: {verdict.reason}; largest difference {verdict.max_abs_error:.2g} m/s, "

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from generator.clients.kernel_set import BUDGETS, STEPS, TARGETS, UNEQUAL, UNEQUAL_MODELS
-from generator.evidence.verification.errors import OUTCOME_COLUMNS, errors_of
-from generator.evidence.verification.euler import euler_verdict
-from generator.evidence.verification.reference import load_reference
-from generator.evidence.verification.scene_cases import cases_for_scene
+from generator.impacts.ball_ball.evidence import PUBLISHED
+from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
+from generator.impacts.ball_ball.evidence.measure import OUTCOME_COLUMNS, errors_of
+from generator.impacts.ball_ball.evidence.scene_cases import cases_for_scene
 from generator.impacts.ball_ball.models import MODELS
 from generator.impacts.ball_ball.parameters import CASE_M1, LIMITS
 from generator.impacts.ball_ball.scene import find_scene
@@ -22,6 +22,7 @@ from generator.targets.host import read_host
 from generator.targets.target import find_target
 from tests.support.installed import ROOT, carom, run, site
 from tests.support.kernels import bench_tool
+from tests.support.reference import load_reference
 
 RUNNABLE = [name for name in TARGETS if read_host().runs(find_target(name))]
 NAMES = [model.name for model in MODELS]
@@ -76,7 +77,7 @@ def test_fixed_steps_are_those_of_pooltool(target, way) -> None:
     kernel = carom().Kernel("pooltool", steps=STEPS, target=target)
     got = outcomes(way, kernel, reference.cases)
     exact = reference.exact["pooltool"]
-    theirs = np.hstack([reference.euler_pooltool[:, :OUTCOME_COLUMNS], exact[:, 13:]])
+    theirs = np.hstack([reference.published[PUBLISHED][:, :OUTCOME_COLUMNS], exact[:, 13:]])
     verdict = euler_verdict(reference.cases, got, theirs, exact, STEPS)
     print(f"{kernel.name}: {verdict.reason}; largest difference {verdict.max_abs_error:.2g} m/s")
     assert verdict.passed, verdict.reason

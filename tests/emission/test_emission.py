@@ -20,7 +20,7 @@ from generator.emission.banner import _generator, inputs_hash
 from generator.emission.environment import environment, templates_folder
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
-from generator.evidence.verification.reference import MODELS
+from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.scene import find_scene, scenes
 from generator.registry.lane_numbers import precision_of
 from generator.registry.lanes import widths_of

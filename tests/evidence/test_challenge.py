@@ -30,11 +30,12 @@ from generator.evidence.challenge.search import (
 )
 from generator.evidence.timing.bench_tool import ROOT
 from generator.evidence.verification.errors import Array
-from generator.evidence.verification.hard_cases import load_hard
-from generator.evidence.verification.reference import CASE_NAMES, MODELS
-from generator.evidence.verification.scene_cases import contact_slip
+from generator.impacts.ball_ball.evidence import MODELS
+from generator.impacts.ball_ball.evidence.measure import CASE_NAMES
+from generator.impacts.ball_ball.evidence.scene_cases import contact_slip
 from generator.impacts.ball_ball.scene import find_scene
 from tests.support.kernels import bench_tool
+from tests.support.reference import load_hard
 
 BUDGET = 1e-6
 FLAW = 5e-6  # of tests/evidence/planted.cpp

@@ -13,8 +13,7 @@ from generator.choice.selection import read_selection
 from generator.emission.kernel_source import emit
 from generator.errors import KernelError
 from generator.evidence.profiling.counting import KINDS, count_operations, instrumented
-from generator.evidence.verification.reference import load_reference
-from generator.evidence.verification.scene_cases import cases_for_scene
+from generator.impacts.ball_ball.evidence.scene_cases import cases_for_scene
 from generator.impacts.ball_ball.scene import find_scene
 from generator.lowering.counts import OperationCounts
 from generator.registry.names import name_of
@@ -23,6 +22,7 @@ from generator.registry.variant import Stepper, Variant, fixed_steps, make_varia
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
+from tests.support.reference import load_reference
 
 EULER = fixed_steps(1000)
 ROOT = Path(__file__).parents[2]

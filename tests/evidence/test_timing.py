@@ -22,10 +22,10 @@ from generator.evidence.timing.ratios import (
     timing_run,
 )
 from generator.evidence.timing.rounds import Rounds
-from generator.evidence.verification.errors import STICKS, VELOCITIES, errors_of
-from generator.evidence.verification.euler import euler_verdict
-from generator.evidence.verification.exact import exact_verdict
-from generator.evidence.verification.reference import MODELS, load_reference
+from generator.impacts.ball_ball.evidence import MODELS
+from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
+from generator.impacts.ball_ball.evidence.measure import STICKS, VELOCITIES, errors_of
+from tests.support.reference import exact_verdict, load_reference
 
 ORACLE = ROOT / "tests" / "oracle" / "ball_ball"
 BAD = """

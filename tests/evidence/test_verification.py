@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 
 from generator.errors import InputError, KernelError
-from generator.evidence.verification.errors import STICKS, Array, approach_speed, errors_of
-from generator.evidence.verification.euler import chatter_margin, euler_verdict, flip_limit
-from generator.evidence.verification.exact import exact_verdict
-from generator.evidence.verification.reference import FOLDER, MODELS, Reference, load_reference
+from generator.evidence.verification.errors import Array
+from generator.evidence.verification.reference import Reference
+from generator.impacts.ball_ball.evidence import MODELS, PUBLISHED
+from generator.impacts.ball_ball.evidence.fixed_steps import (
+    chatter_margin,
+    euler_verdict,
+    flip_limit,
+)
+from generator.impacts.ball_ball.evidence.measure import STICKS, approach_speed, errors_of
+from tests.support.reference import FOLDER, exact_verdict, load_reference
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +26,7 @@ def reference() -> Reference:
 @pytest.fixture(scope="module")
 def scheme(reference: Reference) -> Array:
     """pooltool's own results as if they were the scheme in long double."""
-    return np.hstack([reference.euler_pooltool, np.zeros((len(reference.ids), 1))])
+    return np.hstack([reference.published[PUBLISHED], np.zeros((len(reference.ids), 1))])
 
 
 def spoiled(rows: Array, where: list[int], column: int, change: float) -> Array:
@@ -42,7 +48,7 @@ def test_reference_is_complete(reference: Reference) -> None:
     print(f"{len(reference.ids)} cases, {len(set(reference.kinds))} kinds, sticking {sticks}")
     assert reference.cases.shape == (950, 24)
     assert all(reference.exact[model].shape == (950, 14) for model in MODELS)
-    assert reference.euler_pooltool.shape == (950, 13)
+    assert reference.published[PUBLISHED].shape == (950, 13)
     assert len(reference.rows_of("seed_case")) == 5
     assert (approach_speed(reference.cases) > 0).all()
 

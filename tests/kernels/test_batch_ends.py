@@ -5,8 +5,7 @@ import pytest
 
 from generator.emission.kernel_source import emit
 from generator.errors import KernelError
-from generator.evidence.verification.euler import euler_verdict
-from generator.evidence.verification.reference import load_reference
+from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
 from generator.registry.names import name_of
 from generator.registry.variant import fixed_steps, make_variant
 from generator.targets.host import read_host
@@ -14,6 +13,7 @@ from generator.targets.target import find_target
 from generator.toolchain.build import BuildJob, build_many
 from generator.toolchain.flags import compile_flags
 from tests.support.kernels import CACHE, WARNINGS, bench_tool, build_all, compiler_of
+from tests.support.reference import load_reference
 
 MODEL = "mathavan2014"
 ROW = (0.028575, 0.170097, 0.2, 0.2, 0.0625, 1.0)  # R M u_s1 u_s2 u_b e_b

@@ -5,10 +5,10 @@ import pytest
 
 from generator.choice.modelling import lanes_in_flight
 from generator.errors import KernelError
-from generator.evidence.verification.errors import STATUS
-from generator.evidence.verification.euler import euler_verdict
-from generator.evidence.verification.reference import MODELS, load_reference
 from generator.evidence.verification.worst_estimates import PATTERNS
+from generator.impacts.ball_ball.evidence import MODELS
+from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
+from generator.impacts.ball_ball.evidence.measure import STATUS
 from generator.impacts.ball_ball.row import BALL_BALL
 from generator.registry.roots import allows_floats
 from generator.registry.rules import broken_rule
@@ -18,6 +18,7 @@ from generator.targets.target import find_target
 from tests.support.batch_calls import PARAMETERS, BatchFunction, inputs_of
 from tests.support.exact_kernels import Worst, load_hard
 from tests.support.kernels import bench_tool, build_all, expected_cases
+from tests.support.reference import load_reference
 
 OK, SEPARATING, BAD_INPUT, TILTED = range(4)
 SCALAR = {

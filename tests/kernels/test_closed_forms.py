@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from generator.evidence.timing.bench_tool import BenchTool
-from generator.evidence.verification.errors import STATUS, Array, errors_of, relative_speed
+from generator.evidence.verification.errors import Array
+from generator.impacts.ball_ball.evidence.measure import STATUS, errors_of, relative_speed
 from tests.support.exact_kernels import MODELS, M, R, built, exact_variant, hexfloats, shot
 from tests.support.kernels import bench_tool
 

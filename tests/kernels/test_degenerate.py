@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from generator.evidence.timing.bench_tool import BenchTool
-from generator.evidence.verification.errors import STATUS, Array
-from generator.evidence.verification.reference import CASE_NAMES, load_reference
+from generator.evidence.verification.errors import Array
+from generator.impacts.ball_ball.evidence.measure import CASE_NAMES, STATUS
 from tests.support.exact_kernels import (
     MODELS,
     M,
@@ -24,6 +24,7 @@ from tests.support.exact_kernels import (
     hexfloats,
 )
 from tests.support.kernels import bench_tool
+from tests.support.reference import load_reference
 
 OK, SEPARATING, BAD_INPUT, TILTED = range(4)
 FAST, LONG = 20_000, 1_000_000

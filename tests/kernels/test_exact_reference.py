@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from generator.evidence.timing.bench_tool import BenchTool
-from generator.evidence.verification.errors import STICKS, approach_speed, errors_of
-from generator.evidence.verification.reference import load_reference
+from generator.impacts.ball_ball.evidence.measure import STICKS, approach_speed, errors_of
 from generator.registry.names import name_of
 from tests.support.exact_kernels import (
     BUDGETS,
@@ -26,6 +25,7 @@ from tests.support.exact_kernels import (
 )
 from tests.support.kernels import bench_tool
 from tests.support.oracle_cache import Chunk, expected_of
+from tests.support.reference import load_reference
 from tools.million import COUNT, hard_chunk, in_floats, prove_all, reference_chunk
 
 RANDOM = 3000

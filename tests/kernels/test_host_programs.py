@@ -12,7 +12,6 @@ import pytest
 import tests.kernels.test_degenerate as test_degenerate
 from generator.emission.kernel_source import emit
 from generator.evidence.timing.bench_tool import ROOT
-from generator.evidence.verification.reference import load_reference
 from generator.registry.rules import MOST_UNOPTIMISED, broken_rule, unoptimised_stack
 from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
@@ -21,6 +20,7 @@ from generator.toolchain.compilers import find_compilers
 from tests.kernels.test_batches import EXACT, FLOATS, KERNELS, _built, _mathavan
 from tests.support.exact_kernels import load_hard
 from tests.support.kernels import bench_tool
+from tests.support.reference import load_reference
 
 MOST_STACK = {"-O3": 32 << 10, "-O0": MOST_UNOPTIMISED}  # bytes of a function: carom.h promises it
 MOST_OF_A_BATCH = 112 << 10  # and this

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from generator.evidence.verification.reference import MODELS, load_reference
+from generator.impacts.ball_ball.evidence import MODELS
 from generator.registry.presets import find_preset
 from generator.toolchain.build import BuiltLibrary
 from tests.support.kernels import build_all, variant
+from tests.support.reference import load_reference
 
 OK, SEPARATING, BAD_INPUT, TILTED = range(4)
 R, M = 0.028575, 0.170097

@@ -15,13 +15,13 @@ from generator.choice.candidates import baseline, exact_candidates
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import InputError, KernelError
 from generator.evidence.timing.bench_tool import ROOT
-from generator.evidence.verification.errors import STATUS, Array, errors_of, relative_speed
-from generator.evidence.verification.euler import euler_verdict
-from generator.evidence.verification.exact import exact_verdict
-from generator.evidence.verification.scene_cases import cases_for_scene
+from generator.evidence.verification.errors import Array
 from generator.evidence.verification.verdict import Verdict
 from generator.impacts.ball_ball import scene as scene_module
 from generator.impacts.ball_ball import symbols as s
+from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
+from generator.impacts.ball_ball.evidence.measure import STATUS, errors_of, relative_speed
+from generator.impacts.ball_ball.evidence.scene_cases import cases_for_scene
 from generator.impacts.ball_ball.masses import masses_of, pressed_changes
 from generator.impacts.ball_ball.models import MODELS
 from generator.impacts.ball_ball.parameters import CASE_M1
@@ -39,6 +39,7 @@ from generator.toolchain.flags import compile_flags
 from tests.support.batch_calls import BatchFunction, Outcome, inputs_of
 from tests.support.exact_kernels import portable_target
 from tests.support.kernels import CACHE, EULER, WARNINGS, bench_tool, compiler_of
+from tests.support.reference import exact_verdict
 
 SHIPPED = tuple(scene_module.scenes())
 PROMISED = {"any", "pool", "snooker", "carom", "break", "stun", "free", "arcade", "unequal"}

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from generator.evidence.verification.errors import Array, relative_speed
+from generator.evidence.verification.errors import Array
+from generator.impacts.ball_ball.evidence.measure import relative_speed
 from tests.support.exact_kernels import (
     MODELS,
     built,

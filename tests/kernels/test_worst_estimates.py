@@ -11,14 +11,14 @@ from generator.choice.entries import found_errors
 from generator.choice.kernel import Rejected, verdict_of
 from generator.choice.workbench import Workbench
 from generator.emission.kernel_source import emit
-from generator.evidence.verification.errors import errors_of
-from generator.evidence.verification.reference import MODELS, load_reference
 from generator.evidence.verification.worst_estimates import (
     HEADER,
     PATTERNS,
     at_worst,
     header_text,
 )
+from generator.impacts.ball_ball.evidence import MODELS
+from generator.impacts.ball_ball.evidence.measure import errors_of
 from generator.impacts.ball_ball.row import BALL_BALL
 from generator.lowering.isa import estimates_in
 from generator.registry.lanes import widths_of
@@ -32,6 +32,7 @@ from generator.toolchain.build import BuildJob, BuiltLibrary
 from generator.toolchain.compilers import compilers_for, find_compilers
 from tests.support.exact_kernels import Worst, load_hard, portable_target
 from tests.support.kernels import bench_tool, build_all
+from tests.support.reference import load_reference
 
 PROGRAM = """
 #include <stdio.h>

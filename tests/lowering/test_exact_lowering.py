@@ -12,8 +12,8 @@ import sympy as sp
 
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import InputError
-from generator.evidence.verification.reference import MODELS
 from generator.impacts.ball_ball import scene as scene_module
+from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.models import find_model
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.lowering.chains import DEEPEST, unfolded

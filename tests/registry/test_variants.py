@@ -9,7 +9,7 @@ import pytest
 
 from generator.emission.kernel_source import emit
 from generator.evidence.timing.bench_tool import BenchTool
-from generator.evidence.verification.reference import MODELS
+from generator.impacts.ball_ball.evidence import MODELS
 from generator.registry.axes import axes_of, axis
 from generator.registry.names import (
     name_of,

@@ -19,7 +19,7 @@ import generator.places as places
 from generator.api import read_cases
 from generator.choice.trials import Final, Trial
 from generator.cli.main import gen
-from generator.evidence.verification.reference import CASE_NAMES, load_reference
+from generator.impacts.ball_ball.evidence.measure import CASE_NAMES
 from generator.registry.names import variant_of
 from generator.registry.presets import PAPER_PRESETS
 from generator.registry.variant import Stepper, make_variant
@@ -36,6 +36,7 @@ from generator.report.sections.published import NUMBA_CYCLES
 from generator.sweep.store import read_only
 from tests.support.browser import ask, picture, script
 from tests.support.hosts import believe
+from tests.support.reference import load_reference
 from tests.support.stored_report import EFFECTS, MadeStore, make_findings, make_store
 
 TARGET = "zen3"

@@ -11,9 +11,9 @@ import pytest
 from generator.api import read_cases
 from generator.errors import InputError, KernelError
 from generator.evidence.timing.bench_tool import build_bench_tool
-from generator.evidence.verification.reference import FOLDER
 from generator.toolchain.process import Finished, require_space, run, run_checked
 from generator.toolchain.reasons import reason_in
+from tests.support.reference import FOLDER
 
 LINES = (FOLDER / "inputs.csv").read_text("utf-8").splitlines()[:4]
 

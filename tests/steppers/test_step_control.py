@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from generator.evidence.timing.bench_tool import ROOT
-from generator.evidence.verification.errors import Array, errors_of
-from generator.evidence.verification.reference import CASE_NAMES
+from generator.evidence.verification.errors import Array
+from generator.impacts.ball_ball.evidence.measure import CASE_NAMES, errors_of
 from generator.registry.lane_numbers import float_lanes
 from generator.steppers.exact.ellipse import steepness, sticking_bound
 from generator.tableaus.tableaus import TABLEAUS

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 
 from generator.emission.kernel_source import emit
 from generator.evidence.timing.bench_tool import ROOT
-from generator.evidence.verification.exact import exact_verdict
-from generator.evidence.verification.reference import load_reference
 from generator.impacts.ball_ball.models import find_model
 from generator.registry.names import name_of, variant_of
 from generator.registry.rules import broken_rule
@@ -26,6 +24,7 @@ from generator.tableaus.tableau import Row, Tableau
 from generator.tableaus.tableaus import TABLEAUS
 from tests.support.exact_kernels import built, portable_target
 from tests.support.kernels import bench_tool
+from tests.support.reference import exact_verdict, load_reference
 
 FAMILY = tuple(TABLEAUS.values())
 NAMES = tuple(TABLEAUS)

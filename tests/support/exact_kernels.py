@@ -11,11 +11,9 @@ import numpy as np
 from generator.evidence.challenge.kept import hexfloats as hexfloats
 from generator.evidence.challenge.kept import keep as keep
 from generator.evidence.timing.bench_tool import BenchTool
-from generator.evidence.verification import hard_cases
-from generator.evidence.verification.errors import STATUS, Array, errors_of
-from generator.evidence.verification.floors import SPEEDS, nudged, rounding_of
-from generator.evidence.verification.hard_cases import FILE as FILE
-from generator.evidence.verification.reference import MODELS as MODELS
+from generator.evidence.verification.errors import Array, nudged
+from generator.impacts.ball_ball.evidence import MODELS as MODELS
+from generator.impacts.ball_ball.evidence.measure import SPEEDS, STATUS, errors_of, rounding_of
 from generator.impacts.ball_ball.row import BALL_BALL
 from generator.registry.presets import find_preset
 from generator.registry.roots import COARSEST_FIRST, allows
@@ -25,6 +23,7 @@ from generator.steppers.exact.budgets import tableaus_for
 from generator.targets.host import read_host
 from generator.targets.target import Target, find_target
 from generator.toolchain.build import BuiltLibrary
+from tests.support import reference
 from tests.support.kernels import EULER, build_all, compiler_of
 
 BUDGETS = (1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
@@ -96,7 +95,7 @@ def built(variants: Sequence[Variant]) -> list[Path]:
 
 def load_hard() -> tuple[tuple[str, ...], Array]:
     """Kinds and rows of 24 of the cases that a kernel once failed; any model may meet them."""
-    kinds, rows = hard_cases.load_hard()
+    kinds, rows = reference.load_hard()
     return tuple(f"hard {kind}" for kind in kinds), rows
 
 

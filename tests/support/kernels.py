@@ -13,9 +13,9 @@ from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import KernelError
 from generator.evidence.timing.bench_tool import ROOT, BenchTool, build_bench_tool
 from generator.evidence.verification.errors import Array
-from generator.evidence.verification.euler import euler_verdict
-from generator.evidence.verification.reference import MODELS, load_reference
 from generator.evidence.verification.worst_estimates import at_worst
+from generator.impacts.ball_ball.evidence import MODELS
+from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
 from generator.registry.axes import axes_of
 from generator.registry.names import name_of
 from generator.registry.rules import broken_rule
@@ -24,6 +24,7 @@ from generator.targets.target import find_target
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.compilers import Compiler, find_compilers
 from generator.toolchain.flags import compile_flags
+from tests.support.reference import load_reference
 
 EULER = fixed_steps(1000)
 WARNINGS = ("-Wall", "-Wextra", "-Werror")

@@ -23,7 +23,7 @@ from generator.choice.trials import (
 from generator.evidence.profiling.counting import KINDS
 from generator.evidence.profiling.sections import SECTIONS
 from generator.evidence.timing.ratios import TimingResult
-from generator.evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
+from generator.impacts.ball_ball.evidence.measure import CASE_NAMES, OUTCOME_NAMES
 from generator.registry.names import name_of
 from generator.registry.question import DEFAULT_IMPACT, Contest, Goal
 from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant

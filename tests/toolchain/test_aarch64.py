@@ -10,9 +10,7 @@ from generator.choice.kernel import Estimated
 from generator.choice.workbench import Workbench
 from generator.emission.kernel_source import emit
 from generator.evidence.timing.emulated import EmulatedRunner, emulated_runner
-from generator.evidence.verification.euler import euler_verdict
-from generator.evidence.verification.exact import exact_verdict
-from generator.evidence.verification.reference import load_reference
+from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
 from generator.registry.question import Contest, Goal
 from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
@@ -23,6 +21,7 @@ from generator.toolchain.flags import compile_flags
 from generator.toolchain.mca import find_mca
 from generator.toolchain.traces import instrumented, traced
 from tests.support.kernels import CACHE, EULER, bench_tool
+from tests.support.reference import exact_verdict, load_reference
 
 TARGET = find_target("neoverse-n1")
 COMPILERS = {c.code: c for c in compilers_for(TARGET)}

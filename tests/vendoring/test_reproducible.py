@@ -11,7 +11,6 @@ import pytest
 from generator.choice.candidates import batch_candidates, exact_candidates
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
-from generator.evidence.verification.reference import load_reference
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.lowering.isa import estimates_in
 from generator.registry.question import Goal
@@ -19,6 +18,7 @@ from generator.registry.roots import is_reproducible
 from generator.targets.target import find_target, targets
 from generator.vendoring.job import compare
 from generator.vendoring.kernels import Places
+from tests.support.reference import load_reference
 from tests.support.vendored import EXACT, PAIRS, compiled, ran, request_for, vendored
 
 # Of three makers' kinds; both have AVX2 and FMA, and cpuid tells them apart.

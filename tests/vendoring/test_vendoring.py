@@ -18,9 +18,8 @@ from generator.choice.selection import Selection
 from generator.choice.workbench import Workbench
 from generator.cli.main import gen
 from generator.errors import InputError
-from generator.evidence.verification.errors import errors_of
-from generator.evidence.verification.reference import load_reference
 from generator.files import write_file
+from generator.impacts.ball_ball.evidence.measure import errors_of
 from generator.impacts.ball_ball.scene import find_scene
 from generator.lowering.isa import compiled_features
 from generator.registry.question import Goal
@@ -34,6 +33,7 @@ from generator.vendoring.job import compare
 from generator.vendoring.kernels import Places, TargetKernels, kernels_for, stored_kernels
 from generator.vendoring.manifest import FILE, read_manifest
 from tests.support.kernels import CACHE, ROOT, bench_tool
+from tests.support.reference import load_reference
 from tests.support.vendored import EXACT, files_for, record_for, request_for, vendored
 
 STEPS = Goal(steps=1000)

@@ -15,11 +15,11 @@ from click.testing import CliRunner
 
 from generator.cli.main import gen
 from generator.errors import InputError
-from generator.evidence.verification.reference import FOLDER
 from generator.files import require_place, write_file
 from generator.sweep.store import opened
 from generator.vendoring.folder import require_replaceable, staged, write_files
 from tests.support.installed import ROOT
+from tests.support.reference import FOLDER
 
 AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root makes devices and gives owners")
 NOBODY = 65534

@@ -7,11 +7,17 @@ from typing import Literal
 
 import numpy as np
 
+from ...impacts.ball_ball.evidence.measure import (
+    SPEEDS,
+    STATUS,
+    VELOCITIES,
+    errors_of,
+    rounding_of,
+)
+from ...impacts.ball_ball.evidence.scene_cases import mass_ratios
 from ...impacts.ball_ball.models import find_model
 from ...impacts.ball_ball.terms import drives_its_slip
-from ..verification.errors import STATUS, VELOCITIES, Array, errors_of
-from ..verification.floors import SPEEDS, rounding_of
-from ..verification.scene_cases import mass_ratios
+from ..verification.errors import Array
 from .islands import Score
 from .judge import Judge, kinetic_energy
 

@@ -8,9 +8,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...impacts.ball_ball.evidence.measure import (
+    SPEEDS,
+    STATUS,
+    VELOCITIES,
+    errors_of,
+    relative_speed,
+    rounding_of,
+)
 from ..timing.bench_tool import BenchTool, Method
-from ..verification.errors import STATUS, VELOCITIES, Array, errors_of, relative_speed
-from ..verification.floors import SPEEDS, nudged, rounding_of
+from ..verification.errors import Array, nudged
 from .envelope import Envelope
 
 _NUDGES = 16

@@ -6,9 +6,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...files import write_file
+from ...impacts.ball_ball.evidence import EVIDENCE
+from ...impacts.ball_ball.evidence.measure import CASE_NAMES
 from ..verification.errors import Array
-from ..verification.hard_cases import FILE, load_hard
-from ..verification.reference import CASE_NAMES
+from ..verification.hard_cases import load_hard
+
+FILE = EVIDENCE.hard_cases
 
 
 def hexfloats(case: Array) -> str:
@@ -28,7 +31,7 @@ CSV_HEADER = ",".join(["id", "kind", *CASE_NAMES])
 
 def keep(found: Sequence[tuple[str, Array]], path: Path = FILE) -> int:
     """Adds cases (kind, row) that are not there yet; how many were new."""
-    _, rows = load_hard(path)
+    _, rows = load_hard(path, CASE_NAMES)
     known = {tuple(row) for row in rows}
     new = [(kind, row) for kind, row in found if tuple(row) not in known]
     lines = [",".join([kind, *(float(value).hex() for value in row)]) + "\n" for kind, row in new]

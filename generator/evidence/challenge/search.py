@@ -11,9 +11,9 @@ from typing import Literal
 
 import numpy as np
 
+from ...impacts.ball_ball.evidence.measure import STATUS, rounding_of
 from ..timing.bench_tool import BenchTool
-from ..verification.errors import STATUS, Array
-from ..verification.floors import rounding_of
+from ..verification.errors import Array
 from .envelope import Envelope
 from .hunts import Hunt, jumps, score_of
 from .islands import Archipelago, Found

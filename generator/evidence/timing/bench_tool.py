@@ -76,7 +76,11 @@ class BenchTool:
     """
 
     executable: Path
-    columns: Columns
+    impact: Impact
+
+    @property
+    def columns(self) -> Columns:
+        return self.impact.columns
 
     def _run(
         self,
@@ -253,4 +257,4 @@ def build_bench_tool(cache: Path, root: Path = ROOT, impact: Impact | None = Non
             fresh = cache / f"{program}.{os.getpid()}.tmp"
             shutil.copy2(built, fresh)
             fresh.replace(kept)
-    return BenchTool(kept, impact.columns)
+    return BenchTool(kept, impact)

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import (
-    EXPECTED_COLUMNS,
-    OUTCOME_COLUMNS,
-    Array,
-    check_shapes,
-    errors_of,
-)
+from .errors import Array, Measure
 from .verdict import Verdict, failed, status_failure, worst_of
 
 
 def exact_verdict(
-    cases: Array, got: Array, exact: Array, budget: float, steep: Array | float = 0.0
+    measure: Measure,
+    cases: Array,
+    got: Array,
+    exact: Array,
+    budget: float,
+    steep: Array | float = 0.0,
 ) -> Verdict:
     """`budget`: the largest relative error admitted. Each status must be as expected.
 
@@ -24,9 +23,11 @@ def exact_verdict(
 
     Raises KernelError if the tables do not fit each other.
     """
-    check_shapes(cases, got=(got, OUTCOME_COLUMNS), exact=(exact, EXPECTED_COLUMNS))
-    errors = errors_of(cases, got, exact)
-    failure = status_failure(got, exact, errors)
+    columns = measure.columns
+    expected = {"got": (got, columns.outcome_width), "exact": (exact, columns.expected_width)}
+    measure.check_shapes(cases, **expected)
+    errors = measure.errors_of(cases, got, exact)
+    failure = status_failure(got, exact, errors, columns.status)
     if failure is not None:
         return failure
     allowed = np.maximum(budget, steep)

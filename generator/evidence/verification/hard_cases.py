@@ -3,42 +3,42 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ...errors import InputError
-from ...places import sources
-from .errors import Array, errors_of
-from .floors import SPEEDS, nudged
-from .reference import CASE_NAMES
+from .errors import Array, Measure, nudged
 
-FILE = sources() / "tests" / "data" / "hard_cases.csv"
 NEIGHBOURS = 32  # of a case, itself the first
 
 
-def load_hard(path: Path = FILE) -> tuple[tuple[str, ...], Array]:
-    """Kinds and rows of 24; any model may meet them. InputError names the file and the reason."""
+def load_hard(path: Path, names: Sequence[str]) -> tuple[tuple[str, ...], Array]:
+    """Kinds and rows; any model may meet them. InputError names the file and the reason."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
             records = list(csv.DictReader(file))
-        rows = [[float.fromhex(record[name]) for name in CASE_NAMES] for record in records]
+        rows = [[float.fromhex(record[name]) for name in names] for record in records]
         kinds = tuple(record["kind"] for record in records)
     except (OSError, KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path}: {error!r}; expected a kind and 24 hexadecimal floats") from None
-    return kinds, np.array(rows)
+        wanted = f"expected a kind and {len(names)} hexadecimal floats"
+        raise InputError(f"{path}: {error!r}; {wanted}") from None
+    return kinds, np.array(rows).reshape(-1, len(names))
 
 
-def neighbours(cases: Array) -> Array:
+def neighbours(cases: Array, measure: Measure) -> Array:
     """NEIGHBOURS rows for each case: itself, then its speeds changed by a rounding."""
-    return np.vstack([nudged(case, NEIGHBOURS, SPEEDS) for case in cases])
+    made = [nudged(case, NEIGHBOURS, measure.moving) for case in cases]
+    return np.vstack(made) if made else cases
 
 
-def moved_by(rows: Array, exact: Array) -> Array:
+def moved_by(rows: Array, exact: Array, measure: Measure) -> Array:
     """How far a rounding of its speeds moves the exact result of each case, relative.
 
     `rows`: neighbours of cases; `exact`: their results.
     """
     own = np.repeat(exact[::NEIGHBOURS], NEIGHBOURS, axis=0)
-    moved: Array = errors_of(rows, exact, own).relative.reshape(-1, NEIGHBOURS).max(axis=1)
+    errors = measure.errors_of(rows, exact, own).relative
+    moved: Array = errors.reshape(-1, NEIGHBOURS).max(axis=1)
     return moved

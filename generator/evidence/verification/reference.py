@@ -1,39 +1,42 @@
-"""The reference cases and what must come out of them, read from CSV."""
+"""Reference cases and what must come out of them, read from CSV."""
 
 from __future__ import annotations
 
 import csv
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 
 from ...errors import InputError
+from ...impacts.columns import Columns
 from ...places import sources
 from .errors import Array
 
-FOLDER = sources() / "tests" / "data" / "reference"
-MODELS = ("mathavan2014", "bottom_slip", "pooltool")
-EULER_STEPS = 1000
-_VECTORS = ("r", "v", "w")
-CASE_NAMES = (
-    *("R", "M", "u_s1", "u_s2", "u_b", "e_b"),
-    *(f"{q}{ball}{axis}" for ball in "12" for q in _VECTORS for axis in "xyz"),
-)
-OUTCOME_NAMES = tuple(f"{q}{ball}{axis}" for ball in "12" for q in "vw" for axis in "xyz")
+DATA = sources() / "tests" / "data"
+
+
+@dataclass(frozen=True)
+class ReferenceFiles:
+    """The files of an impact: `inputs.csv` with the cases, and answers to them."""
+
+    folder: Path
+    columns: Columns
+    exact: Mapping[str, str] = field(default_factory=dict)  # by contact model
+    # Another program's own answers by fixed steps, in double: by model and number of steps.
+    published: Mapping[tuple[str, int], str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Reference:
-    """Cases in rows of 24 and outcomes in the columns of `verification.errors`."""
+    """Cases and outcomes in rows, in the columns of an impact."""
 
     ids: tuple[int, ...]
     kinds: tuple[str, ...]
     cases: Array
-    exact: Mapping[str, Array]  # model -> rows of 14
-    euler_pooltool: Array  # rows of 13: pooltool's own function with 1000 steps, in double
+    exact: Mapping[str, Array]  # model -> outcomes, and whether contact sticks
+    published: Mapping[tuple[str, int], Array]  # model and steps -> outcomes
 
     def rows_of(self, kind: str) -> Array:
         """Indices of the cases whose kind starts with `kind`, as `seed_case`."""
@@ -61,26 +64,25 @@ def _table(path: Path, records: list[dict[str, str]], names: Sequence[str]) -> A
         raise InputError(f"{path}: a value is no number: {error}") from None
 
 
-def _outcomes(path: Path, ids: tuple[int, ...], more: Sequence[str]) -> Array:
-    records = _records(path)
-    table = _table(path, records, ("id", *OUTCOME_NAMES, *more))
-    if tuple(int(i) for i in table[:, 0]) != ids:
-        raise InputError(f"{path}: column id: expected the ids of inputs.csv, in its order")
-    status = np.zeros((len(table), 1))  # every case of the reference collides
-    velocities = table[:, 1 : 1 + len(OUTCOME_NAMES)]
-    return np.hstack([velocities, status, table[:, 1 + len(OUTCOME_NAMES) :]])
-
-
-def load_reference(folder: Path = FOLDER) -> Reference:
+def load_reference(files: ReferenceFiles) -> Reference:
     """Reads all files of a folder. Raises InputError naming the file and what is wrong."""
-    path = folder / "inputs.csv"
+    path = files.folder / "inputs.csv"
     records = _records(path)
     ids = tuple(int(i) for i in _table(path, records, ("id",))[:, 0])
-    exact = {model: _outcomes(folder / f"exact_{model}.csv", ids, ("sticks",)) for model in MODELS}
+
+    def outcomes(name: str, more: Sequence[str] = ()) -> Array:
+        place, names = files.folder / name, files.columns.velocities
+        answers = _records(place)
+        table = _table(place, answers, ("id", *names, *more))
+        if tuple(int(i) for i in table[:, 0]) != ids:
+            raise InputError(f"{place}: column id: expected the ids of inputs.csv, in its order")
+        status = np.zeros((len(table), 1))  # every case of the reference collides
+        return np.hstack([table[:, 1 : 1 + len(names)], status, table[:, 1 + len(names) :]])
+
     return Reference(
         ids=ids,
         kinds=tuple(record["kind"] for record in records),
-        cases=_table(path, records, CASE_NAMES),
-        exact=MappingProxyType(exact),
-        euler_pooltool=_outcomes(folder / "euler_n1000.csv", ids, ()),
+        cases=_table(path, records, files.columns.case),
+        exact={model: outcomes(name, ("sticks",)) for model, name in files.exact.items()},
+        published={key: outcomes(name) for key, name in files.published.items()},
     )

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from .errors import STATUS, Array, Errors, Mask
+from .errors import Array, Errors, Mask
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Verdict:
     passed: bool
     reason: str  # one line; what held when passed
     max_abs_error: float  # m/s
-    max_rel_error: float  # of |v1 - v2| before
+    max_rel_error: float  # of what the impact measures errors by
     cases: int
     flips: tuple[int, ...] = ()
     worst_case: int | None = None  # the row with the largest relative error, or the one that failed
@@ -61,16 +61,19 @@ def largest_of(errors: Array, among: Array) -> float:
     return float(errors[among].max(initial=0.0))
 
 
-def status_failure(got: Array, want: Array, errors: Errors) -> Verdict | None:
-    """A failure where a status differs, or where a case without an outcome has been changed."""
+def status_failure(got: Array, want: Array, errors: Errors, status: int) -> Verdict | None:
+    """A failure where a status differs, or where a case without an outcome has been changed.
+
+    `status`: the column that holds it.
+    """
     if len(got) == 0:
         return Verdict(False, "there is no case to verify", 0.0, 0.0, 0)
-    wrong = np.flatnonzero(~(got[:, STATUS] == want[:, STATUS]))
+    wrong = np.flatnonzero(~(got[:, status] == want[:, status]))
     if len(wrong):
         case = int(wrong[0])
-        return failed(f"status {got[case, STATUS]:g}, not {want[case, STATUS]:g}", errors, case)
-    changed = np.flatnonzero((want[:, STATUS] != 0) & (errors.absolute != 0))
+        return failed(f"status {got[case, status]:g}, not {want[case, status]:g}", errors, case)
+    changed = np.flatnonzero((want[:, status] != 0) & (errors.absolute != 0))
     if len(changed):
         case = int(changed[0])
-        return failed(f"status {want[case, STATUS]:g}, but velocities changed", errors, case)
+        return failed(f"status {want[case, status]:g}, but velocities changed", errors, case)
     return None

@@ -11,27 +11,16 @@ from numpy.typing import NDArray
 
 from ...choice.verifying import Expected
 from ...evidence.timing.bench_tool import BenchTool
-from ...evidence.verification.errors import (
-    CASE_COLUMNS,
-    SLIPS,
-    STATUS,
-    STICKS,
-    VELOCITIES,
-    Array,
-    component_errors,
-    errors_of,
-    relative_speed,
-)
-from ...evidence.verification.reference import OUTCOME_NAMES
+from ...evidence.verification.errors import SLIPS, Array, Measure, component_errors
+from ...evidence.verification.evidence import evidence_of
 from ..findings import WorstInput
 
 Rows = NDArray[np.int_]
-_SPIN_COLUMNS = [n for n, name in enumerate(OUTCOME_NAMES) if name.startswith("w")]
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Largest errors of one kernel, relative to |v1 - v2|, spins as R w."""
+    """Largest errors of one kernel, relative as its impact measures them, spins as R w."""
 
     largest: float
     slipping: float  # without contacts that stick
@@ -42,22 +31,23 @@ class Accuracy:
 
 def accuracy_of(tool: BenchTool, library: Path, expected: Expected) -> Accuracy:
     """Run all cases through a kernel."""
-    cases, exact = expected.cases, expected.exact
+    cases, exact, columns = expected.cases, expected.exact, tool.columns
+    measure, status = evidence_of(tool.impact).measure, columns.status
     got = tool.run_kernel(library, cases, timeout=300.0)
-    relative = errors_of(cases, got, exact).relative
-    relative = np.where(got[:, STATUS] == exact[:, STATUS], relative, np.inf)
+    relative = measure.errors_of(cases, got, exact).relative
+    relative = np.where(got[:, status] == exact[:, status], relative, np.inf)
     worst = int(np.argmax(relative))
     return Accuracy(
         largest=float(relative.max()),
-        slipping=float(relative[exact[:, STICKS] == SLIPS].max(initial=0.0)),
-        outputs=_by_output(cases, got, exact),
+        slipping=float(relative[exact[:, columns.sticks] == SLIPS].max(initial=0.0)),
+        outputs=_by_output(measure, cases, got, exact),
         by_case=relative,
         worst=WorstInput(
             label=expected.labels[worst],
             error=float(relative[worst]),
-            inputs=_hexadecimal(cases[worst, :CASE_COLUMNS]),
-            got=_hexadecimal(got[worst, :VELOCITIES]),
-            exact=_hexadecimal(exact[worst, :VELOCITIES]),
+            inputs=_hexadecimal(cases[worst]),
+            got=_hexadecimal(got[worst, :status]),
+            exact=_hexadecimal(exact[worst, :status]),
         ),
     )
 
@@ -66,12 +56,13 @@ def _hexadecimal(row: Array) -> tuple[str, ...]:
     return tuple(float(x).hex() for x in row)
 
 
-def _by_output(cases: Array, got: Array, exact: Array) -> dict[str, float]:
-    difference = component_errors(got[:, :VELOCITIES], exact[:, :VELOCITIES])
-    difference[:, _SPIN_COLUMNS] *= cases[:, :1]
+def _by_output(measure: Measure, cases: Array, got: Array, exact: Array) -> dict[str, float]:
+    names = measure.columns.velocities
+    difference = component_errors(got[:, : len(names)], exact[:, : len(names)])
+    difference[:, measure.columns.spins_after] *= measure.radius(cases)
     with np.errstate(invalid="ignore", divide="ignore"):
-        relative = np.where(difference == 0, 0.0, difference / relative_speed(cases)[:, None])
-    return {name: float(relative[:, n].max()) for n, name in enumerate(OUTCOME_NAMES)}
+        relative = np.where(difference == 0, 0.0, difference / measure.speed(cases)[:, None])
+    return {name: float(relative[:, n].max()) for n, name in enumerate(names)}
 
 
 def kinds_of(labels: Sequence[str]) -> dict[str, Rows]:

@@ -15,7 +15,6 @@ from ...evidence.timing.plan import PlannedKernel, TimingPlan
 from ...evidence.timing.ratios import TimingResult, TimingRun, timing_results
 from ...evidence.verification.errors import Array
 from ...evidence.verification.reference import load_reference
-from ...impacts.ball_ball.scene import find_scene
 from ...registry.names import name_of
 from ...registry.variant import fixed_steps
 from ...targets.target import Target
@@ -63,9 +62,10 @@ def time_all(
     """All subjects interleaved with the baseline, on mixed cases and on the report's five."""
     unique = {s.kernel.name: s.kernel for s in studies if s.passed}
     kernels = tuple(PlannedKernel(name, k.library.path, latency=True) for name, k in unique.items())
-    reference = load_reference()
-    seeds = reference.cases[reference.rows_of("seed_case")]
-    unrestricted = find_scene(scene).unrestricted
+    evidence = bench.cases.evidence
+    reference = load_reference(evidence.reference)
+    seeds = reference.cases[reference.rows_of(evidence.seeds)]
+    unrestricted = bench.tool.impact.find_scene(scene).unrestricted
     first = studies[0].candidate.name
     bench.progress(f"timing {len(kernels)} kernels for {seconds:.0f} s", 0, 1)
     plan = TimingPlan(

@@ -18,7 +18,7 @@ from ...choice.workbench import Workbench
 from ...errors import KernelError
 from ...evidence.timing.plan import PlannedKernel, TimingPlan
 from ...evidence.timing.ratios import TimingResult, timing_results
-from ...evidence.verification.errors import SLIPS, STATUS, STICKS, Array, errors_of
+from ...evidence.verification.errors import SLIPS, Array
 from ...registry.names import name_of
 from ...registry.question import Goal
 from ...registry.rules import broken_rule
@@ -170,15 +170,16 @@ def _find_errors(bench: Workbench, entries: Sequence[Entry], scene: str, model: 
     """
     expected = bench.cases.expected(scene, model, None, SEED, RANDOM)
     cases, exact = expected.cases, expected.exact
-    slipping = exact[:, STICKS] == SLIPS
+    measure, columns = bench.cases.evidence.measure, bench.tool.columns
+    slipping = exact[:, columns.sticks] == SLIPS
     rows, relative = np.arange(len(cases)), np.zeros(len(cases))
     for index, entry in enumerate(sorted(entries, key=lambda e: e.steps)):
         bench.progress("finding errors", index, len(entries))
         if entry.slow and len(rows) == len(cases):
             rows = _hard_rows(relative, slipping, expected.reference_rows)
         got = bench.tool.run_kernel(entry.candidate.library.path, cases[rows], timeout=600.0)
-        relative = errors_of(cases[rows], got, exact[rows]).relative
-        relative = np.where(got[:, STATUS] == exact[rows, STATUS], relative, np.inf)
+        relative = measure.errors_of(cases[rows], got, exact[rows]).relative
+        relative = np.where(got[:, columns.status] == exact[rows, columns.status], relative, np.inf)
         entry.error, entry.cases = float(relative.max()), len(rows)
         entry.slipping_error = float(relative[slipping[rows]].max())
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...evidence.profiling.sections import SECTIONS
-from ...evidence.verification.reference import CASE_NAMES, OUTCOME_NAMES
+from ...impacts.registry import DEFAULT, find_impact
 from ..drawing import Note
 from ..findings import KernelFindings, WorstInput
 from ..known import Known
@@ -43,13 +43,14 @@ def times_row(times: Any) -> Rowed:
 def _worst(kernel: KernelFindings, worst: WorstInput, model: str) -> Rowed:
     """With the commands that repeat it."""
     goal = f"--steps {kernel.steps}" if kernel.steps else f"--max-error {kernel.budget:g}"
-    header, row = ",".join(("id", *CASE_NAMES)), ",".join(("worst", *worst.inputs))
+    columns = find_impact(DEFAULT).columns
+    header, row = ",".join(("id", *columns.case)), ",".join(("worst", *worst.inputs))
     return {
         "role": kernel.role,
         "kernel": kernel.name,
         **worst.model_dump(),
-        "names": CASE_NAMES,
-        "outputs": OUTCOME_NAMES,
+        "names": columns.case,
+        "outputs": columns.velocities,
         "commands": (
             f"printf '%s\\n' {header} {row} > worst.csv",
             f"./gen collide --cases worst.csv --out outcome.csv --model {model} {goal}",

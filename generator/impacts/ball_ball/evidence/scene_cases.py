@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...impacts.ball_ball.models import find_model
-from ...impacts.ball_ball.parameters import CASE_M1
-from ...impacts.ball_ball.parameters import NAMES as PARAMETERS
-from ...impacts.ball_ball.scene import ALCIATORE, Scene
-from ...impacts.ball_ball.terms import MASS_RATIOS
-from .errors import Array, relative_speed
+from ....evidence.verification.errors import Array
+from ..columns import V1 as _V1
+from ..columns import V2 as _V2
+from ..columns import W1 as _W1
+from ..columns import W2 as _W2
+from ..models import find_model
+from ..parameters import CASE_M1
+from ..parameters import NAMES as PARAMETERS
+from ..scene import ALCIATORE, Scene
+from ..terms import MASS_RATIOS
+from .measure import relative_speed
 
-_V1, _W1, _V2, _W2 = slice(9, 12), slice(12, 15), slice(18, 21), slice(21, 24)
-_V_Z = (11, 20)
+_V_Z = (_V1.stop - 1, _V2.stop - 1)
 _INSIDE = 1e-9  # keep as much away from the bounds of a range of speeds, of the bound
 _SPREAD = 7919.0  # a value outside a range goes to a place in it that looks random
 

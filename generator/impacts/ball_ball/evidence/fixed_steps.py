@@ -19,26 +19,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import (
-    EXPECTED_COLUMNS,
-    OUTCOME_COLUMNS,
-    SLIPS,
-    STATUS,
-    STICKS,
-    Array,
-    Errors,
-    Mask,
-    approach_speed,
-    check_shapes,
-    errors_of,
-    relative_speed,
-)
-from .verdict import (
+from ....evidence.verification.errors import SLIPS, Array, Errors, Mask
+from ....evidence.verification.verdict import (
     Verdict,
     failed,
     largest_of,
     status_failure,
     worst_of,
+)
+from .measure import (
+    EXPECTED_COLUMNS,
+    MEASURE,
+    OUTCOME_COLUMNS,
+    STATUS,
+    STICKS,
+    approach_speed,
+    errors_of,
+    relative_speed,
 )
 
 TOLERANCE = 1e-6  # m/s
@@ -124,9 +121,9 @@ def euler_verdict(
     tables do not fit each other.
     """
     expected = {"euler": (euler, EXPECTED_COLUMNS), "exact": (exact, EXPECTED_COLUMNS)}
-    check_shapes(cases, got=(got, OUTCOME_COLUMNS), **expected)
+    MEASURE.check_shapes(cases, got=(got, OUTCOME_COLUMNS), **expected)
     errors = errors_of(cases, got, euler)
-    failure = status_failure(got, euler, errors)
+    failure = status_failure(got, euler, errors, STATUS)
     if failure is not None:
         return failure
     loose = (euler[:, STATUS] == 0) & ((exact[:, STICKS] != SLIPS) | (euler[:, STICKS] != SLIPS))
