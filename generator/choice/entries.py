@@ -35,7 +35,7 @@ def selected_by_sweep(final: Final) -> Selected:
     low, high = row.times.ratio_ci
     figures = {
         "chosen_by": "timing",
-        "measured_on": row.subject.target,
+        "measured_on": row.subject.asked.target,
         "ratio_to_baseline": round(row.times.ratio, 4),
         "ratio_ci": (round(low, 4), round(high, 4)),
         "max_rel_error": _short(row.max_rel_error),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -17,12 +18,11 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from ..errors import KernelError
 from ..evidence.records.code import digest
 from ..evidence.timing.ratios import TimingRun, control_band, timing_results
-from ..registry.names import name_of
-from ..registry.question import Call, Contest, Goal
-from ..registry.variant import Stepper, Variant, make_variant
+from ..registry.question import Call, Goal, Question, read_question
+from ..registry.variant import Variant, answered
 from .kernel import Code, Emitted, Reason, Rejected, verdict_of
 
-SCHEMA: Literal[2] = 2
+SCHEMA: Literal[3] = 3
 _DIGITS = 5
 
 
@@ -84,57 +84,40 @@ class Rules:
 class Subject(_Part):
     """The variant, as the registry knew it when the record was made."""
 
-    name: str  # question and recipe
-    target: str
-    scene: str
-    model: str
-    stepper: str
-    steps: int | None
-    budget: float | None
-    width: int  # lanes; 1 is scalar
-    options: dict[str, str]
-    call: Call  # through carom_collide, or through carom_collide_batch
-
-    @property
-    def contest(self) -> str:
-        """The variants that one choice is made among share it."""
-        return _contest(self, self.steps, self.budget)
+    question: str
+    recipe: str
+    options: dict[str, str]  # of every axis, those at their default too
 
     @staticmethod
     def of(variant: Variant) -> Subject:
-        stepper, asked = variant.stepper, variant.question
-        return Subject(
-            name=name_of(variant),
-            target=asked.target,
-            scene=asked.scene,
-            model=asked.model,
-            stepper=stepper.name,
-            steps=stepper.steps,
-            budget=stepper.budget,
-            width=variant.width,
-            options=dict(variant.options),
-            call=asked.contest.call,
-        )
+        question, recipe = str(variant.question), str(variant.recipe)
+        return Subject(question=question, recipe=recipe, options=dict(variant.options))
+
+    @property
+    def name(self) -> str:
+        return f"{self.question} {self.recipe}"
+
+    @property
+    def stepper(self) -> str:
+        return self.recipe.split()[0]
+
+    @property
+    def contest(self) -> str:
+        """The variants that one choice is made among share it: as a contest is written."""
+        held, _, width = self.question.rpartition("-")
+        return f"{held}-{'scalar' if width == 'x1' else 'batch'}"
+
+    @cached_property
+    def asked(self) -> Question:
+        """The question. Raises ValueError where a name of it is gone."""
+        return read_question(self.question)
 
     def variant(self) -> Variant:
         """The variant that the record was made of, in today's registry.
 
         Axes that are newer have their default. Raises ValueError where an option is gone.
         """
-        stepper = Stepper(self.stepper, steps=self.steps, budget=self.budget)
-        return make_variant(
-            self.target, self.scene, self.model, stepper, self.width, **self.options
-        )
-
-
-def name_of_contest(contest: Contest) -> str:
-    """As `Subject.contest`."""
-    return _contest(contest, contest.goal.steps, contest.goal.budget)
-
-
-def _contest(held: Contest | Subject, steps: int | None, budget: float | None) -> str:
-    goal = f"n{steps}" if steps is not None else f"e{budget:g}"
-    return f"{held.target}/{held.scene}/{held.model}/{goal}/{held.call}"
+        return answered(self.asked, self.stepper, self.options)
 
 
 class Errors(_Part):
@@ -220,7 +203,7 @@ class Rejection(_Part):
 class Record(_Part):
     """What all records have. `id` is the hash of the rest, so merging stores is a union."""
 
-    schema_version: Literal[2] = SCHEMA
+    schema_version: Literal[3] = SCHEMA
     id: str = ""
     key: str  # the same question has the same key
     run: str  # id of the run that made it
@@ -276,7 +259,7 @@ class Final(Record):
     """The best of a contest, all interleaved, in several processes: this decides."""
 
     kind: Literal["final"] = "final"
-    contest: str
+    contest: str  # its name
     purpose: Literal["choice", "verify-choice"]
     chosen: str  # of the ties within 1 %, the one with the fewest options from the default
     fastest: str

@@ -47,7 +47,7 @@ class Entrant:
         return {
             "name": self.name,
             "stepper": subject.stepper,
-            "width": subject.width,
+            "width": subject.asked.width.lanes,
             "options": self.options(axes),
             **{key: getattr(times, key) for key in ("ns", "ratio", "ratio_ci")},
             "error": self.error,
@@ -137,15 +137,16 @@ def _order(contest: Contest) -> tuple[bool, bool, float]:
 
 
 def _contest(name: str, found: list[Entrant], final: Final | None) -> Contest:
-    first = found[0].trial.subject
-    euler = first.steps is not None
+    contest = found[0].trial.subject.asked.contest
+    goal = contest.goal
+    euler = goal.steps is not None
     found = sorted(found, key=lambda e: (e.ratio, e.error, e.name))
     if final is not None:
         found = _judged(found, final)
     return Contest(
         name=name,
-        goal=f"N = {first.steps}" if euler else f"E = {first.budget:.0e}",
-        call=first.call,
+        goal=f"N = {goal.steps}" if euler else f"E = {goal.budget:.0e}",
+        call=contest.call,
         family="euler" if euler else "exact",
         against=SCHEME if euler else EXACT,
         axes=tuple(dict.fromkeys(key for e in found for key in e.trial.subject.options)),

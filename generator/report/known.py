@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..choice.trials import Final, Run, Trial
 from ..evidence.records.evidence import Timings
+from ..registry.question import DEFAULT_IMPACT
 from ..sweep.store import read_only
 from .contests import Contest, contests_of
 from .findings import Findings, KernelFindings
@@ -48,7 +49,7 @@ class Known:
 
 def last_finals(finals: Iterable[Final], target: str, scene: str, model: str) -> dict[str, Final]:
     """The newest final of each contest of a target, scene and model; re-timings do not choose."""
-    prefix = f"{target}/{scene}/{model}/"
+    prefix = _prefix(target, scene, model)
     return {
         final.contest: final
         for final in finals
@@ -56,14 +57,17 @@ def last_finals(finals: Iterable[Final], target: str, scene: str, model: str) ->
     }
 
 
+def _prefix(target: str, scene: str, model: str) -> str:
+    """With which the names of their questions and contests begin."""
+    return f"{DEFAULT_IMPACT}/{target}/{scene}/{model}-"
+
+
 def read_stored(place: Path, target: str, scene: str, model: str) -> Stored:
     """What a store holds of a target, scene and model. InputError where it is no store."""
     asked = (target, scene, model)
     with read_only(place) as records:
         trials = tuple(
-            t
-            for t in records.trials()
-            if (t.subject.target, t.subject.scene, t.subject.model) == asked
+            t for t in records.trials() if t.subject.question.startswith(_prefix(*asked))
         )
         used = {t.run for t in trials}
         runs = tuple(r for r in records.runs() if r.id in used)

@@ -47,7 +47,7 @@ def _longest(trials: Iterable[Trial], target: str) -> list[_Timed]:
     """Of each variant's code the trial of the highest rung."""
     found: dict[tuple[str, Depends], _Timed] = {}
     for t in trials:
-        if t.times is None or t.depends is None or t.subject.target != target:
+        if t.times is None or t.depends is None or t.subject.asked.target != target:
             continue
         key = (identity(t.subject), t.depends.model_copy(update={"timing": ""}))
         if key not in found or found[key].trial.rung <= t.rung:

@@ -21,7 +21,6 @@ from ..choice.trials import (
     Subject,
     Times,
     job_key,
-    name_of_contest,
     rounded,
 )
 from ..choice.workbench import BLOCK_MS, TimingJob
@@ -74,7 +73,7 @@ def hold(
     rows = [_finalist(there[each.name], each, timed, best) for each in standings]
     return exploration.ledger.final(
         key,
-        contest=name_of_contest(exploration.contest),
+        contest=str(exploration.contest),
         purpose=purpose,
         chosen=chosen or name_of(pick(standings)),
         fastest=best,

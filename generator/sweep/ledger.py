@@ -30,7 +30,7 @@ def identity(subject: Subject) -> str:
     Options at their default are left out: those of an axis that is newer than a record are, too.
     """
     options = sorted((k, code) for k, code in subject.options.items() if code != _default(k))
-    return digest([subject.contest, subject.stepper, subject.width, options])
+    return digest([subject.question, subject.stepper, options])
 
 
 class Ledger:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..choice.trials import Final, Trial, name_of_contest
+from ..choice.trials import Final, Trial
 from ..errors import InputError
 from .explore import Exploration
 from .finals import hold
@@ -20,7 +20,7 @@ def verify_choice(
 
     Raises InputError where the store has no choice for the contest.
     """
-    contest = name_of_contest(exploration.contest)
+    contest = str(exploration.contest)
     finals = [f for f in store.finals() if f.contest == contest and f.purpose == "choice"]
     if not finals:
         raise InputError(f"{store.path}: no choice for {contest}; run ./gen sweep first")

@@ -132,10 +132,11 @@ def test_plots_are_there_with_labels_and_legends_and_nothing_overlaps(
         assert plot["outside"] == []
     data = made.document()
     timed = {c["name"]: len(c["variants"]) for c in data["contests"]}
-    exact = sum(n for name, n in timed.items() if "/e" in name and name.endswith("scalar"))
+    exact = sum(n for name, n in timed.items() if "-e" in name and name.endswith("scalar"))
     assert plots["exact-scalar"]["marks"] == exact + len(data["points"])
-    assert plots["euler-scalar-N=1000"]["marks"] == timed[f"{TARGET}/any/mathavan2014/n1000/scalar"]
-    assert plots["euler-batch-N=1000"]["marks"] == timed[f"{TARGET}/any/mathavan2014/n1000/batch"]
+    question = f"ball-ball/{TARGET}/any/mathavan2014-n1000"
+    assert plots["euler-scalar-N=1000"]["marks"] == timed[f"{question}-scalar"]
+    assert plots["euler-batch-N=1000"]["marks"] == timed[f"{question}-batch"]
     assert plots["growth-time"]["marks"] == len(data["growth"])
     assert plots["sections"]["marks"] == len(data["sections"]) * 5
     assert {"effects-euler", "effects-exact", "growth-error"} <= set(plots)
@@ -297,8 +298,10 @@ def test_kernels_with_lanes_are_called_beside_the_scalar_one_of_their_goal(made:
 
 
 def finals_width(finals: dict[str, Final]) -> int:
-    final = next(f for name, f in finals.items() if name.endswith("n1000/batch"))
-    return next(f.subject.width for f in final.finalists if f.subject.name == final.chosen)
+    final = next(f for name, f in finals.items() if name.endswith("n1000-batch"))
+    return next(
+        f.subject.asked.width.lanes for f in final.finalists if f.subject.name == final.chosen
+    )
 
 
 def test_the_runs_of_the_sweep_are_named_with_their_compilers(made: Made) -> None:
@@ -335,7 +338,7 @@ def test_a_front_takes_no_step_for_the_last_digits_of_an_error(made: Made) -> No
     def like(name: str, ratio: float, error: float) -> Trial:
         return first.model_copy(
             update={
-                "subject": first.subject.model_copy(update={"name": name}),
+                "subject": first.subject.model_copy(update={"recipe": f"fixed {name}"}),
                 "times": first.times.model_copy(update={"ratio": ratio}),
                 "errors": first.errors.model_copy(update={"max_rel_error": error}),
             }
@@ -343,7 +346,7 @@ def test_a_front_takes_no_step_for_the_last_digits_of_an_error(made: Made) -> No
 
     rows = [like("a", 0.5, 1e-6), like("b", 0.6, 0.999e-6), like("c", 0.7, 0.5e-6)]
     [contest] = contests_of(rows, {})
-    assert {v.name: v.front for v in contest.variants} == {"a": True, "b": False, "c": True}
+    assert {v.name[-1]: v.front for v in contest.variants} == {"a": True, "b": False, "c": True}
 
 
 def test_marks_of_equal_kernels_do_not_hide_each_other(made: Made) -> None:

@@ -17,7 +17,6 @@ from generator.choice.trials import (
     Subject,
     Times,
     Trial,
-    name_of_contest,
     trial_key,
 )
 from generator.evidence.profiling.counting import KINDS
@@ -85,15 +84,15 @@ def _variants(contest: Contest, count: int, random: Random) -> list[Variant]:
             near = space.neighbours(random.choice(list(found.values())))
             found |= {name_of(v): v for v in random.sample(list(near), min(4, len(near)))}
         rows = list(found.values())
-    if contest.call == "batch":  # half of them with lanes, which have options of their own
-        rows = [v if n % 2 else _with_lanes(v) for n, v in enumerate(rows)]
+    if contest.batches:
+        rows = [_with_lanes(v, 2 if n % 2 else 4) for n, v in enumerate(rows)]
     return rows[:count]
 
 
-def _with_lanes(variant: Variant) -> Variant:
-    """Four lanes; their own options have their defaults. Legal or not: nothing is built."""
+def _with_lanes(variant: Variant, width: int) -> Variant:
+    """Their own options have their defaults. Legal or not: nothing is built."""
     options = dict(variant.options)
-    return make_variant(variant.target, SCENE, MODEL, variant.stepper, 4, **options)
+    return make_variant(variant.target, SCENE, MODEL, variant.stepper, width, **options)
 
 
 def _times(variant: Variant, random: Random) -> Times:
@@ -173,11 +172,11 @@ def _final(run: Run, contest: Contest, trials: list[Trial]) -> Final:
         for n, t in enumerate(best)
     )
     return Final(
-        key=name_of_contest(contest),
+        key=str(contest),
         run=run.id,
         made_at=AT,
         machine="made-up",
-        contest=name_of_contest(contest),
+        contest=str(contest),
         purpose="choice",
         chosen=best[0].subject.name,
         fastest=best[0].subject.name,

@@ -19,19 +19,9 @@ DEPENDS = Depends(
 )
 
 
-def subject(name: str = "ball-ball/zen3/any/pooltool-n1000-x1 fixed", **options: str) -> Subject:
-    return Subject(
-        name=name,
-        target="zen3",
-        scene="any",
-        model="pooltool",
-        stepper="fixed",
-        steps=1000,
-        budget=None,
-        width=1,
-        options=options,
-        call="scalar",
-    )
+def subject(**options: str) -> Subject:
+    question = "ball-ball/zen3/any/pooltool-n1000-x1"
+    return Subject(question=question, recipe="fixed", options=options)
 
 
 def trial(ratio: float, rung: int = 0, depends: Depends = DEPENDS, **options: str) -> Trial:

@@ -53,11 +53,12 @@ def _chosen_by_sweep(finals: dict[str, Final], call: str) -> dict[tuple[int | No
     found = {}
     for final in finals.values():
         subject = next((f.subject for f in final.finalists if f.subject.name == final.chosen), None)
-        if subject is None or subject.call != call:
-            continue
-        budget = "" if subject.budget is None else f"{subject.budget:.0e}"
         try:
-            found[subject.steps, budget] = subject.variant()
+            if subject is None or subject.asked.contest.call != call:
+                continue
+            goal = subject.asked.goal
+            budget = "" if goal.budget is None else f"{goal.budget:.0e}"
+            found[goal.steps, budget] = subject.variant()
         except ValueError:
             continue  # of a registry that had other options
     return found

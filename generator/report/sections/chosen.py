@@ -45,17 +45,18 @@ def _measured(
 
 def _swept(final: Final) -> dict[str, Any]:
     entry = next(f for f in final.finalists if f.subject.name == final.chosen)
-    subject = entry.subject
-    role = EULER if subject.budget is None else role_of_budget(subject.budget)
+    asked = entry.subject.asked
+    budget, call = asked.goal.budget, asked.contest.call
+    role = EULER if budget is None else role_of_budget(budget)
     return {
-        "role": f"{role} by the sweep" if subject.call == "scalar" else f"{role}, batch",
+        "role": f"{role} by the sweep" if call == "scalar" else f"{role}, batch",
         "kernel": final.chosen,
-        "call": subject.call,
-        "width": subject.width,
+        "call": call,
+        "width": asked.width.lanes,
         **_decided(entry.times, final, ""),
         "than_best": None,
         "than_euler": None,
-        "error": None if subject.budget is None else entry.max_rel_error,
+        "error": None if budget is None else entry.max_rel_error,
         "verified_error": entry.max_rel_error,
     }
 

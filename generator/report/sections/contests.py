@@ -157,7 +157,8 @@ def _mark(n: int, index: int, contest: Contest, colour: int) -> Mark:
     entrant = contest.variants[index]
     subject, (low, high) = entrant.trial.subject, entrant.times.ratio_ci
     shape = _COMPILERS.get(subject.options.get("compiler", ""), ("o", ""))[0]
-    lanes = f", {subject.width} lanes" if subject.width > 1 else ""
+    width = subject.asked.width.lanes
+    lanes = f", {width} lanes" if width > 1 else ""
     codes = ", ".join(f"{key} {code}" for key, code in subject.options.items() if code)
     standing = "".join(f", {word}" for word in ("chosen", "tie") if getattr(entrant, word))
     words = (

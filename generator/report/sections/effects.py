@@ -36,7 +36,7 @@ def _pairs(contest: Contest, index: int) -> list[tuple[str, str, float]]:
     groups: dict[object, dict[str, float]] = defaultdict(dict)
     for v in contest.variants:
         subject, options = v.trial.subject, v.options(contest.axes)
-        rest = (subject.stepper, subject.width, *options[:index], *options[index + 1 :])
+        rest = (subject.stepper, subject.asked.width, *options[:index], *options[index + 1 :])
         groups[rest][options[index]] = v.ratio
     order = _codes(contest.axes[index])
     found = []
