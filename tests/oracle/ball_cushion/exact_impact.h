@@ -39,6 +39,8 @@ class ExactImpact {
         mode_{u_w == 0 ? Contact::kNoFriction : Contact::kSlips,
               u_s == 0 ? Contact::kNoFriction : Contact::kSlips} {
     std::copy(start.begin(), start.end(), y_.begin());
+    set_slip(kCushionX, contacts.cushion_slip(start));
+    set_slip(kTableX, contacts.table_slip(start));
   }
 
   void run() {
@@ -66,10 +68,14 @@ class ExactImpact {
   using Series = typename Expansion<Real>::Series;
   static constexpr Real kEps = epsilon<Real>();
   static constexpr Real kNoise = 64 * kEps;  // of a press, a cone's reserve
-  static constexpr int kMaxSteps = 4000;
+  static constexpr int kMaxSteps = 40000;
 
-  Pair<Real> c() const { return ball_.cushion_slip(velocities(y_)); }
-  Pair<Real> s() const { return ball_.table_slip(velocities(y_)); }
+  Pair<Real> c() const { return cushion_slip(y_); }
+  Pair<Real> s() const { return table_slip(y_); }
+  void set_slip(int first, Pair<Real> slip) {
+    y_[first] = slip.x;
+    y_[first + 1] = slip.y;
+  }
   // Below some roundings a slip, being a difference of numbers of order one, is rounding only.
   static bool is_gone(Contact contact, Pair<Real> slip, int roundings) {
     if (contact == Contact::kNoFriction) return false;
@@ -84,7 +90,8 @@ class ExactImpact {
     return clamped_ && n < 0 ? Real(0) : n;
   }
   Pair<Real> cushion_friction() const {
-    return mode_.cushion == Contact::kSlips ? -u_w_ * unit(c()) : Pair<Real>{0, 0};
+    if (mode_.cushion == Contact::kSlips) return -u_w_ * unit(c());
+    return mode_.cushion == Contact::kCreeps ? -u_w_ * mode_.creeping : Pair<Real>{0, 0};
   }
 
   /// Has the cushion's friction taken the ball's weight off the table? At the very limit the
@@ -114,26 +121,22 @@ class ExactImpact {
     if (!(target_ > 0)) done_ = true;
   }
 
-  void check_ends() {
-    if (!mode_.restitution && y_[kVy] <= 0) end_compression();
-    if (mode_.restitution && y_[kWork] >= target_) done_ = true;
-  }
-
   /// A step so short that the error of holding every friction fixed, its square, is below rounding.
-  /// `smooth`: the size of what could turn.
-  void leap(const Frictions<Real>& f, Real smooth, Real slip_rate) {
+  void leap(const Frictions<Real>& f, Real slip_rate) {
     const Velocities<Real> r = expansion_.rate(f);
-    Real dq = std::max(square_root(kEps) * smooth / 100, 256 * kEps / slip_rate);
-    const Real v = absolute(y_[kVy]);
-    const Real left = mode_.restitution ? (target_ - y_[kWork]) / (v * ball_.cosine) : -v / r[kVy];
-    if (v > 0 && left > 0) dq = std::min(dq, left);
+    Real dq = std::max(square_root(kEps) * start_normal_ / 100, 256 * kEps / slip_rate);
+    const Real v = absolute(y_[kVy]), left = target_ - y_[kWork];
+    if (v > 0) dq = std::min(dq, left / (v * ball_.cosine));
     for (int i = 0; i < kVelocities; ++i) y_[i] += dq * r[i];
+    if (mode_.cushion != Contact::kSticks) set_slip(kCushionX, dq * ball_.cushion_slip(r));
+    if (mode_.table != Contact::kSticks) set_slip(kTableX, dq * ball_.table_slip(r));
     y_[kImpulse] += dq;
     y_[kWork] += dq * ball_.cosine * (v + absolute(y_[kVy])) / 2;
-    check_ends();
+    done_ = y_[kWork] >= target_;
   }
 
   void cushion_at_rest() {
+    set_slip(kCushionX, {0, 0});
     const Pair<Real> e = table_direction();
     const Frictions<Real> held = expansion_.sticking_cushion(e);
     if (size_of(held.cushion) <= u_w_) {
@@ -141,10 +144,8 @@ class ExactImpact {
       ++events_.sticks_cushion;
       return;
     }
-    const Pair<Real> along = way_out(e);
-    const Frictions<Real> f = slipping(along, e);
-    const Real rate = size_of(ball_.cushion_slip(expansion_.rate(f)));
-    leap(f, u_s_ == 0 ? start_normal_ : std::min(size_of(s()), start_normal_), rate);
+    mode_.cushion = Contact::kCreeps;
+    mode_.creeping = way_out(e);
   }
 
   Frictions<Real> slipping(Pair<Real> along, Pair<Real> e) const {
@@ -176,6 +177,7 @@ class ExactImpact {
   }
 
   void table_at_rest() {
+    set_slip(kTableX, {0, 0});
     const Pair<Real> d = cushion_friction(), held = expansion_.sticking_table(d);
     const Real most = u_s_ * press(d);
     if (size_of(held) <= most) {
@@ -183,16 +185,16 @@ class ExactImpact {
       ++events_.sticks_table;
       return;
     }
-    const Frictions<Real> f{d, (most / size_of(held)) * held};
-    const Real rate = size_of(ball_.table_slip(expansion_.rate(f)));
-    const Real size = mode_.cushion == Contact::kSlips ? size_of(c()) : start_normal_;
-    leap(f, std::min(size, start_normal_), rate);
+    mode_.table = Contact::kCreeps;
+    mode_.creeping = unit(Real(-1) * held);
   }
 
   /// Both slips are zero, so that the ball neither approaches nor goes back: greatest compression.
   /// From here the table slips down (away from the cushion) or the cushion up, or both.
   void both_at_rest() {
     events_.met = true;
+    set_slip(kCushionX, {0, 0});
+    set_slip(kTableX, {0, 0});
     if (!mode_.restitution) end_compression();
     if (done_) return;
     const Pair<Real> down{0, -1}, up{0, 1};
@@ -209,8 +211,7 @@ class ExactImpact {
     set(table_held, &mode_.table, &events_.sticks_table);
     const Velocities<Real> r = expansion_.rate(f);
     const Real c_rate = size_of(ball_.cushion_slip(r)), s_rate = size_of(ball_.table_slip(r));
-    const Real rate = cushion_held ? s_rate : table_held ? c_rate : std::min(c_rate, s_rate);
-    leap(f, start_normal_, rate);
+    leap(f, table_held ? c_rate : s_rate);
   }
   static void set(bool held, Contact* contact, int* count) {
     if (held && *contact != Contact::kSticks) ++*count;
@@ -238,20 +239,20 @@ class ExactImpact {
   /// A step of the series, to the first of the events that its state knows.
   void smooth_step() {
     const bool lifts = lifted();
-    Mode<Real> mode = mode_;
-    if (lifts) mode.table = Contact::kNoFriction;
     const bool off_table = lifts && ball_.press(cushion_friction()) < -kNoise / 2;
     if (off_table && !off_table_) ++events_.lifts;
     off_table_ = off_table;
-    expansion_.expand(y_, mode);
-    const bool leaves = mode.cushion == Contact::kLeaves || mode.table == Contact::kLeaves;
-    const double tolerance = static_cast<double>(kEps) / 8;
-    // Beyond 6 the terms of exp(t) cancel too many digits.
-    Real h = expansion_.step(static_cast<double>(start_normal_), tolerance, leaves ? 1e3 : 6);
+    Mode<Real> mode = mode_;
+    if (lifts) mode.table = Contact::kNoFriction;
+    Real h = 0;
+    if (!creep(mode, &h)) {
+      expansion_.expand(y_, mode);
+      h = step(6);  // beyond it the terms of exp(t) cancel too many digits
+    }
     Contact* falls = nullptr;
-    if (leaves) end_leaving(&h);
-    if (mode.cushion == Contact::kSticks)
+    if (mode.cushion == Contact::kSticks) {
       limit(expansion_.cushion_reserve(), &mode_.cushion, &falls, &h);
+    }
     if (mode.table == Contact::kSticks) limit(expansion_.table_reserve(), &mode_.table, &falls, &h);
     if (clamped_ && mode_.cushion == Contact::kSlips && mode_.table == Contact::kSlips) {
       const Fall turns = fall(shifted(expansion_.press(), lifts ? -1 : 1, kNoise), h);
@@ -260,19 +261,52 @@ class ExactImpact {
     const Fall ends = fall(left_of_phase(), h);
     finish(ends, h, falls);
   }
+  Real step(double most) const {
+    return expansion_.step(start_normal_, static_cast<long double>(kEps) / 8, most);
+  }
+  /// A contact that begins to slip creeps, and so does one whose slip stays small: then many steps
+  /// of the regularised time would be as long as one of the impulse.
+  bool creep(const Mode<Real>& mode, Real* h) {
+    const bool begins = mode.creeps();
+    Mode<Real> slow = mode;
+    if (!begins && !may_creep(&slow)) return false;
+    if (!expansion_.expand(y_, slow)) return false;
+    *h = step(1e3);
+    if (!begins) {
+      const Pair<Real> slip = slow.cushion == Contact::kCreeps ? c() : s();
+      const bool settled = absolute(cross(expansion_.creeping_unit(), slip)) <= 4 * kEps;
+      if (!settled || expansion_.turns_in(*h) < 20) return false;
+    }
+    *h = fall(expansion_.creeping_slip(), *h).where;
+    const Series other = expansion_.slip_beside_creep();
+    *h = fall(shifted(other, 1, -other[0] / 8), *h).where;
+    if (mode_.cushion == Contact::kCreeps) mode_.cushion = Contact::kSlips;
+    if (mode_.table == Contact::kCreeps) mode_.table = Contact::kSlips;
+    return true;
+  }
+  /// Every few steps, where a slip is small beside all else.
+  bool may_creep(Mode<Real>* mode) const {
+    if (steps_ % 8 != 7) return false;
+    const Real small = start_normal_ / 1000;
+    const Real slip_c = size_of(c()), slip_s = size_of(s());
+    const bool c_rules = mode->cushion == Contact::kSlips, s_rules = mode->table == Contact::kSlips;
+    if (c_rules && slip_c < small && (!s_rules || slip_c < slip_s / 1000)) {
+      mode->cushion = Contact::kCreeps;
+      mode->creeping = unit(c());
+      return true;
+    }
+    if (s_rules && slip_s < small && (!c_rules || slip_s < slip_c / 1000)) {
+      mode->table = Contact::kCreeps;
+      mode->creeping = unit(s());
+      return true;
+    }
+    return false;
+  }
   void limit(const Series& reserve, Contact* contact, Contact** falls, Real* h) const {
     const Fall found = fall(shifted(reserve, 1, kNoise), *h);
     if (!found.happens) return;
     *h = found.where;
     *falls = contact;
-  }
-  void end_leaving(Real* h) {
-    ++events_.releases;
-    const Fall back = fall(expansion_.leaving_slip(), *h);
-    if (back.happens) *h = back.where;
-    if (mode_.cushion == Contact::kLeaves) mode_.cushion = Contact::kSlips;
-    if (mode_.table == Contact::kLeaves) mode_.table = Contact::kSlips;
-    if (!(expansion_.leaving_slip()[2] > 0)) events_.gave_up = done_ = true;
   }
   void finish(const Fall& ends, Real h, Contact* falls) {
     y_ = expansion_.at(ends.happens ? ends.where : h);
@@ -283,10 +317,11 @@ class ExactImpact {
         end_compression();
       }
     } else if (falls != nullptr) {
-      *falls = Contact::kLeaves;
-      mode_.leaving = falls == &mode_.cushion
-                          ? unit(Real(-1) * expansion_.sticking_cushion(table_direction()).cushion)
-                          : unit(Real(-1) * expansion_.sticking_table(cushion_friction()));
+      *falls = Contact::kCreeps;
+      ++events_.releases;
+      mode_.creeping = falls == &mode_.cushion
+                           ? unit(Real(-1) * expansion_.sticking_cushion(table_direction()).cushion)
+                           : unit(Real(-1) * expansion_.sticking_table(cushion_friction()));
     }
   }
 

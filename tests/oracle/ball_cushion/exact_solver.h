@@ -21,14 +21,16 @@ struct Params {
 };
 
 /// kClamped: the table pushes only. kPrinted: the paper's equations, in which it may pull; they
-/// have no unique answer for a rolling ball where u_w > tan theta.
-enum class Model { kClamped, kPrinted };
+/// have no unique answer for a rolling ball where u_w > tan theta. kPooltool: fixed steps of these
+/// in which a contact without slip is pushed along -x; there is nothing exact of it.
+enum class Model { kClamped, kPrinted, kPooltool };
 
 /// Throws std::invalid_argument for a name that is no model's.
 inline Model model_by_name(const std::string& name) {
   if (name == "clamped") return Model::kClamped;
   if (name == "printed") return Model::kPrinted;
-  throw std::invalid_argument("no model '" + name + "': expected clamped or printed");
+  if (name == "pooltool") return Model::kPooltool;
+  throw std::invalid_argument("no model '" + name + "': expected clamped, printed or pooltool");
 }
 
 /// Same values as CAROM_OK, CAROM_SEPARATING and CAROM_BAD_INPUT.
@@ -131,10 +133,14 @@ int enter(const Params& p, const double ball[6], const double normal[2], Frame<R
 }  // namespace detail
 
 /// `ball`: velocity and angular velocity, world axes, m/s and rad/s; `normal`: in the table plane,
-/// into the cushion, of any length. v_z stays as it is. Without a collision nothing changes.
+/// into the cushion, of any length. v_z stays as it is. Without a collision nothing changes. Throws
+/// std::invalid_argument for kPooltool.
 template <class Real>
 BasicOutcome<Real> solve_exact_as(const Params& p, Model model, const double ball[6],
                                   const double normal[2]) {
+  if (model == Model::kPooltool) {
+    throw std::invalid_argument("model pooltool: it has fixed steps alone; expected method euler");
+  }
   detail::Frame<Real> frame;
   Velocities<Real> start;
   const int status = detail::enter(p, ball, normal, &frame, &start);
@@ -151,7 +157,8 @@ BasicOutcome<Real> solve_exact_as(const Params& p, Model model, const double bal
   ExactImpact<Real> impact(contacts, p.u_w, p.u_s, p.e_c, model == Model::kClamped, start);
   impact.run();
 
-  Velocities<Real> after = velocities(impact.state());
+  Velocities<Real> after;
+  std::copy_n(impact.state().begin(), after.size(), after.begin());
   for (Real& v : after) v *= scale;
   detail::out_of_frame(frame, static_cast<Real>(p.R), after, &out);
   out.events = impact.events();

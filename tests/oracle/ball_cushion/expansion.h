@@ -11,19 +11,23 @@
 namespace carom_oracle {
 namespace cushion {
 
-/// What a contact does. kLeaves: it stuck until now and its slip, still zero, begins to grow.
-enum class Contact { kNoFriction, kSlips, kSticks, kLeaves };
+/// What a contact does. kCreeps: it slips so little, or begins to slip, that friction turns the
+/// slip much faster than anything else changes: its direction is where it does not turn.
+enum class Contact { kNoFriction, kSlips, kSticks, kCreeps };
 
-/// Unknowns beside the velocities: normal impulse / M, and the work / M of the phase.
-enum { kImpulse = kVelocities, kWork, kUnknowns };
+/// Unknowns beside the velocities: the slips (which small velocities would round away), normal
+/// impulse / M, and the work / M of the phase.
+enum { kCushionX = kVelocities, kCushionY, kTableX, kTableY, kImpulse, kWork, kUnknowns };
 template <class Real>
 using State = std::array<Real, kUnknowns>;
 
 template <class Real>
-Velocities<Real> velocities(const State<Real>& y) {
-  Velocities<Real> v;
-  std::copy_n(y.begin(), static_cast<int>(kVelocities), v.begin());
-  return v;
+Pair<Real> cushion_slip(const State<Real>& y) {
+  return {y[kCushionX], y[kCushionY]};
+}
+template <class Real>
+Pair<Real> table_slip(const State<Real>& y) {
+  return {y[kTableX], y[kTableY]};
 }
 
 /// Friction at the cushion and at the table, for one unit of the cushion's push.
@@ -32,12 +36,13 @@ struct Frictions {
   Pair<Real> cushion, table;
 };
 
-/// What the contacts do from here on. `leaving`: direction of the slip of one that leaves.
+/// What the contacts do from here on. `creeping`: nearly the direction of the slip that creeps.
 template <class Real>
 struct Mode {
   Contact cushion, table;
   bool restitution = false;
-  Pair<Real> leaving{0, 0};
+  Pair<Real> creeping{0, 0};
+  bool creeps() const { return cushion == Contact::kCreeps || table == Contact::kCreeps; }
 };
 
 template <class Real>
@@ -54,9 +59,7 @@ class Expansion {
         rising_(contacts.cushion_slip(contacts.rising).y),
         crossed_(contacts.table_slip(contacts.along).x),
         pressed_(contacts.table_slip(contacts.rising).y),
-        table_(contacts.table_slip(contacts.table_x).x),
-        pace_cushion_(3 * u_w + contacts.sine * contacts.cosine),
-        pace_table_(contacts.cosine + 3 * u_w) {}
+        table_(contacts.table_slip(contacts.table_x).x) {}
 
   /// Friction that keeps the cushion's slip at zero while the table slips along e; e = 0: no
   /// friction there.
@@ -83,25 +86,32 @@ class Expansion {
   }
 
   /// From `start`. The variable is a regularised time in which a vanishing slip is an exponential,
-  /// or the impulse where a contact leaves: then the slip's direction is a series of its own, which
-  /// need not converge, as a stiff equation's slow solution is asymptotic.
-  void expand(const State<Real>& start, const Mode<Real>& mode) {
-    cushion_ = mode.cushion;
-    table_state_ = mode.table;
+  /// or the impulse where a contact creeps: then the slip's direction is a series of its own, the
+  /// slow solution of a stiff equation. That need not converge, but its terms fall at first.
+  /// False: a creeping slip is too large for that.
+  bool expand(const State<Real>& start, const Mode<Real>& mode) {
+    mode_ = mode;
     y[0] = start;
-    leaves_ = cushion_ == Contact::kLeaves || table_state_ == Contact::kLeaves;
-    leaver_ = cushion_ == Contact::kLeaves ? &c_ : &s_;
-    sign_ = mode.restitution ? -1 : 1;
-    if (leaves_) leave_along(mode.leaving);
-    for (int n = 0; n < kOrder; ++n) {
-      slips(n);
-      if (leaves_) {
-        turn(n);
-      } else {
-        forces(n);
-      }
-      advance(n);
+    if (!mode.creeps()) {
+      all_orders();
+      return true;
     }
+    creeper_ = mode.cushion == Contact::kCreeps ? &c_ : &s_;
+    creeper_->size = Series{};
+    creeper_->size[0] = size_of(creeper_ == &c_ ? cushion_slip(start) : table_slip(start));
+    creeper_->unit.set(0, mode.creeping);
+    angle_ = Series{};
+    for (int pass = 0; pass < kOrder / 2; ++pass) {
+      const Series before = angle_;
+      const Pair<Real> unit = creeper_->unit[0];
+      all_orders();
+      const Real moved = absolute(cross(unit, creeper_->unit[0]));
+      const Real turned = absolute(angle_[1] - before[1]) * creeper_->size[0];
+      if (creeper_->size[0] * moved <= epsilon<Real>() && turned <= -slope_ * epsilon<Real>()) {
+        return true;
+      }
+    }
+    return false;
   }
 
   State<Real> at(Real t) const {
@@ -131,18 +141,25 @@ class Expansion {
     }
     return left;
   }
-  /// Slip of a contact that leaves, and the second derivative that it begins with.
-  Series leaving_slip() const { return leaver_->size; }
+  /// Of the slip that creeps: its size, its direction at the start, and how often friction turned
+  /// it round by a radian in a step of h.
+  const Series& creeping_slip() const { return creeper_->size; }
+  /// Size of the other contact's slip, if it slips, too. It is a root, which does not see zeros.
+  Series slip_beside_creep() const {
+    if (mode_.cushion == Contact::kSlips) return lacking_last(c_.size);
+    if (mode_.table == Contact::kSlips) return lacking_last(s_.size);
+    return Series{1};
+  }
+  Pair<Real> creeping_unit() const { return creeper_->unit[0]; }
+  Real turns_in(Real h) const { return -slope_ * h / creeper_->size[0]; }
 
   /// A step whose terms of the highest orders are below `tolerance`, at most `most`.
-  Real step(double speed, double tolerance, double most) const {
-    double h = most;
+  Real step(Real speed, long double tolerance, long double most) const {
+    long double h = most;  // whose range the terms may need
     for (int n = kOrder - 1; n <= kOrder; ++n) {
-      double term = static_cast<double>(absolute(y[n][kWork])) / speed;
-      for (int i = 0; i <= kImpulse; ++i) {
-        term = std::max(term, static_cast<double>(absolute(y[n][i])));
-      }
-      if (term > 0) h = std::min(h, std::pow(tolerance / term, 1.0 / n));
+      Real term = absolute(y[n][kWork]) / speed;
+      for (int i = 0; i <= kImpulse; ++i) term = std::max(term, absolute(y[n][i]));
+      if (term > 0) h = std::min(h, std::pow(tolerance / static_cast<long double>(term), 1.0L / n));
     }
     return static_cast<Real>(h);
   }
@@ -170,9 +187,8 @@ class Expansion {
     a[kOrder] = 0;
     return a;
   }
-  bool cushion_pulls() const { return cushion_ == Contact::kSlips || cushion_ == Contact::kLeaves; }
-  bool table_pulls() const {
-    return table_state_ == Contact::kSlips || table_state_ == Contact::kLeaves;
+  static bool pulls(Contact contact) {
+    return contact == Contact::kSlips || contact == Contact::kCreeps;
   }
 
   static void slip(int n, Pair<Real> value, Slip* s) {
@@ -181,17 +197,26 @@ class Expansion {
     s->inverse[n] = reciprocal(s->size, s->inverse, n);
     s->unit.set(n, {product(s->vector.x, s->inverse, n), product(s->vector.y, s->inverse, n)});
   }
-  void slips(int n) {
-    const Velocities<Real> v = velocities(y[n]);
-    if (cushion_ == Contact::kSlips) slip(n, ball_.cushion_slip(v), &c_);
-    if (table_state_ == Contact::kSlips) slip(n, ball_.table_slip(v), &s_);
+  void all_orders() {
+    for (int n = 0; n < kOrder; ++n) {
+      if (mode_.cushion == Contact::kSlips) slip(n, cushion_slip(y[n]), &c_);
+      if (mode_.table == Contact::kSlips) slip(n, table_slip(y[n]), &s_);
+      if (!mode_.creeps()) {
+        forces(n);
+      } else if (n == 0) {
+        find_direction();
+      } else {
+        turn(n);
+      }
+      advance(n);
+    }
   }
 
   void forces(int n) {
     Pair<Real> d{0, 0}, t{0, 0};
-    if (cushion_pulls()) d = -u_w_ * c_.unit[n];
-    if (cushion_ == Contact::kSticks) {
-      const Real e_y = table_pulls() ? s_.unit.y[n] : Real(0);
+    if (pulls(mode_.cushion)) d = -u_w_ * c_.unit[n];
+    if (mode_.cushion == Contact::kSticks) {
+      const Real e_y = pulls(mode_.table) ? s_.unit.y[n] : Real(0);
       divisor_[n] = only(rising_, n) + u_s_ * pressed_ * ball_.cosine * e_y;
       inverse_[n] = reciprocal(divisor_, inverse_, n);
       press_[n] = held_press() * inverse_[n];
@@ -199,76 +224,81 @@ class Expansion {
     } else {
       press_[n] = only(ball_.sine, n) - ball_.cosine * d.y;
     }
-    if (table_pulls()) {
+    if (pulls(mode_.table)) {
       t = {-u_s_ * product(press_, s_.unit.x, n), -u_s_ * product(press_, s_.unit.y, n)};
     }
-    if (cushion_ == Contact::kSticks) d.x = -crossed_ * t.x / along_;
-    if (table_state_ == Contact::kSticks) {
+    if (mode_.cushion == Contact::kSticks) d.x = -crossed_ * t.x / along_;
+    if (mode_.table == Contact::kSticks) {
       t = {-crossed_ * d.x / table_, (only(ball_.cosine, n) - pressed_ * d.y) / table_};
     }
     d_.set(n, d);
     t_.set(n, t);
   }
 
-  void leave_along(Pair<Real> unit) {
-    leaver_->unit.set(0, unit);
-    angle_ = Series{};
-    leaver_->size = Series{};
-  }
   /// Coefficient n of the unit vector, from its angle.
   void unit_from_angle(int n) {
     if (n == 0) return;
     Pair<Real> sum{0, 0};
     for (int j = 1; j <= n; ++j) {
-      const Pair<Real> u = leaver_->unit[n - j];
+      const Pair<Real> u = creeper_->unit[n - j];
       sum = sum + (j * angle_[j]) * Pair<Real>{-u.y, u.x};
     }
-    leaver_->unit.set(n, (Real(1) / n) * sum);
+    creeper_->unit.set(n, (Real(1) / n) * sum);
   }
-  /// Rate of the leaving slip, coefficient n, along its direction and across it.
-  Pair<Real> leaving_rate(int n) {
+  Pair<Real> creeper_slip(const Velocities<Real>& r) const {
+    return creeper_ == &c_ ? ball_.cushion_slip(r) : ball_.table_slip(r);
+  }
+  /// Rate of the creeping slip, coefficient n, along its direction and across it.
+  Pair<Real> creeping_rate(int n) {
     unit_from_angle(n);
     forces(n);
-    const Velocities<Real> r = change(only(1, n), {d_[n], t_[n]});
-    drive_.set(n, leaver_ == &c_ ? ball_.cushion_slip(r) : ball_.table_slip(r));
-    if (n == 0) drive_.set(0, {0, 0});  // it is where the slip may just stay zero
-    const PairSeries& u = leaver_->unit;
+    drive_.set(n, creeper_slip(change(only(1, n), {d_[n], t_[n]})));
+    const PairSeries& u = creeper_->unit;
     return {product(u.x, drive_.x, n) + product(u.y, drive_.y, n),
             product(u.x, drive_.y, n) - product(u.y, drive_.x, n)};
   }
   /// The slip is size(q) along the angle(q): size' and size angle' are given by the forces, which
-  /// depend on the angle. As the size begins with q², coefficient n of the angle follows from
-  /// lower ones.
-  void turn(int n) {
-    angle_[n] = 0;
-    Pair<Real> rate = leaving_rate(n);
-    if (n == 0) slope_ = slope_of_turning();
-    if (n > 0) {
-      Real known = 0;
-      for (int j = 2; j <= n; ++j) known += leaver_->size[j] * (n - j + 1) * angle_[n - j + 1];
-      angle_[n] = (known - rate.y) / slope_;
-      rate = leaving_rate(n);
+  /// depend on the angle. Of the latter's coefficient n all is known but the angle's coefficient n
+  /// and, times the size at the start, n + 1: that is taken from the pass before.
+  void find_direction() {
+    for (int i = 0; i < 60; ++i) {
+      const Pair<Real> rate = creeping_rate(0), u = creeper_->unit[0];
+      slope_ = slope_of_turning() - rate.x;
+      const Real ahead = (creeper_->size[0] * angle_[1] - rate.y) / slope_;
+      const Pair<Real> next{u.x - ahead * u.y, u.y + ahead * u.x};
+      creeper_->unit.set(0, (1 / size_of(next)) * next);
+      if (absolute(ahead) <= 2 * epsilon<Real>()) break;
     }
-    leaver_->size[n + 1] = rate.x / (n + 1);
+    creeper_->size[1] = creeping_rate(0).x;
   }
-  /// Change of the turning rate with the angle where the slip leaves.
+  void turn(int n) {
+    const Series& size = creeper_->size;
+    Real known = n + 1 < kOrder ? size[0] * (n + 1) * angle_[n + 1] : Real(0);
+    for (int j = 2; j <= n; ++j) known += size[j] * (n - j + 1) * angle_[n - j + 1];
+    angle_[n] = 0;
+    angle_[n] = (known - creeping_rate(n).y) / (slope_ - n * size[1]);
+    creeper_->size[n + 1] = creeping_rate(n).x / (n + 1);
+  }
+  /// Change of the turning rate with the angle, the forces' part.
   Real slope_of_turning() const {
-    const Pair<Real> u = leaver_->unit[0], ahead{-u.y, u.x};
+    const Pair<Real> u = creeper_->unit[0], ahead{-u.y, u.x};
     Frictions<Real> f{{0, 0}, {0, 0}};
-    if (leaver_ == &c_) {
+    if (creeper_ == &c_) {
       f.cushion = -u_w_ * ahead;
-      if (table_pulls()) f.table = (u_s_ * ball_.cosine * f.cushion.y) * s_.unit[0];
+      if (pulls(mode_.table)) f.table = (u_s_ * ball_.cosine * f.cushion.y) * s_.unit[0];
+      if (mode_.table == Contact::kSticks)
+        f.table = sticking_table(f.cushion) + Real(-1) * sticking_table({0, 0});
     } else {
       f.table = (-u_s_ * press_[0]) * ahead;
     }
-    const Velocities<Real> r = change(0, f);
-    return dot(ahead, leaver_ == &c_ ? ball_.cushion_slip(r) : ball_.table_slip(r));
+    return dot(ahead, creeper_slip(change(0, f)));
   }
 
   /// Impulse for a unit of the variable.
   Real pace(int n) {
-    if (leaves_) return only(1, n);
-    const bool c = cushion_ == Contact::kSlips, s = table_state_ == Contact::kSlips;
+    if (mode_.creeps()) return only(1, n);
+    if (n == 0) set_paces();
+    const bool c = mode_.cushion == Contact::kSlips, s = mode_.table == Contact::kSlips;
     if (!c && !s) return only(1, n);
     if (!s) return c_.size[n] / pace_cushion_;
     if (!c) return s_.size[n] / pace_table_;
@@ -278,13 +308,28 @@ class Expansion {
     return product(both_, inverse_, n);
   }
 
+  void set_paces() {
+    const Velocities<Real> r = rate({d_[0], t_[0]});
+    pace_cushion_ = size_of(ball_.cushion_slip(r)) + along_ * u_w_;
+    pace_table_ = size_of(ball_.table_slip(r)) + table_ * u_s_ * absolute(press_[0]);
+  }
+
   void advance(int n) {
     pace_[n] = pace(n);
-    speed_[n] = sign_ * y[n][kVy];
+    speed_[n] = mode_.restitution ? -y[n][kVy] : y[n][kVy];
     const Frictions<Real> f{{product(d_.x, pace_, n), product(d_.y, pace_, n)},
                             {product(t_.x, pace_, n), product(t_.y, pace_, n)}};
     const Velocities<Real> r = change(pace_[n], f);
-    for (int i = 0; i < kVelocities; ++i) y[n + 1][i] = r[i] / (n + 1);
+    const Pair<Real> c = ball_.cushion_slip(r), s = ball_.table_slip(r);
+    const Real c_moves = mode_.cushion == Contact::kSticks ? 0 : 1;
+    const Real s_moves = mode_.table == Contact::kSticks ? 0 : 1;
+    State<Real> rate{};
+    std::copy(r.begin(), r.end(), rate.begin());
+    rate[kCushionX] = c_moves * c.x;
+    rate[kCushionY] = c_moves * c.y;
+    rate[kTableX] = s_moves * s.x;
+    rate[kTableY] = s_moves * s.y;
+    for (int i = 0; i < kImpulse; ++i) y[n + 1][i] = rate[i] / (n + 1);
     y[n + 1][kImpulse] = pace_[n] / (n + 1);
     y[n + 1][kWork] = ball_.cosine * product(speed_, pace_, n) / (n + 1);
   }
@@ -298,12 +343,11 @@ class Expansion {
   // Change of a slip with friction: the cushion's along and up, the table's with those two, its
   // own.
   const Real along_, rising_, crossed_, pressed_, table_;
-  const Real pace_cushion_, pace_table_;
-  Contact cushion_ = Contact::kNoFriction, table_state_ = Contact::kNoFriction;
-  bool leaves_ = false;
+  Real pace_cushion_ = 1, pace_table_ = 1;  // about how fast the slips change
+  Mode<Real> mode_{Contact::kNoFriction, Contact::kNoFriction};
   Slip c_, s_;
-  Slip* leaver_ = nullptr;
-  Real sign_ = 1, slope_ = 0;
+  Slip* creeper_ = nullptr;
+  Real slope_ = 0;
   PairSeries d_, t_, drive_;
   Series press_, divisor_, inverse_, pace_, both_, speed_, angle_;
 };

@@ -1,6 +1,5 @@
-// Steps of the cushion's impulse as pooltool 0.6 takes them (`Mathavan2010`), in any precision:
-// directions by angles, the table may pull, no event is met but the two ends, and these only
-// nearly.
+// Steps of the cushion's impulse as pooltool 0.6 takes them (`Mathavan2010`), in any precision and
+// for any model: directions by angles, no event is met but the two ends, and these only nearly.
 #ifndef CAROM_TESTS_ORACLE_BALL_CUSHION_FIXED_STEP_H_
 #define CAROM_TESTS_ORACLE_BALL_CUSHION_FIXED_STEP_H_
 
@@ -13,10 +12,12 @@ namespace carom_oracle {
 namespace cushion {
 
 /// pooltool's fields: what a phase is cut into, and the shortest step in Ns. Of restitution the
-/// step is the phase's work in J by max_steps, as if it were Ns.
+/// step is the phase's work in J by max_steps, as if it were Ns. kClamped: the table only pushes;
+/// that and kPrinted: a contact without slip has no friction.
 struct FixedSteps {
   long max_steps = 1000;
   double delta_p = 0.001;
+  Model model = Model::kPooltool;
 };
 
 template <class Real>
@@ -95,6 +96,12 @@ class FixedStepImpact {
     return !completed_;
   }
 
+  /// Cosine and sine of the direction of a slip.
+  Pair<Real> direction(Real x, Real y) const {
+    if (x == 0 && y == 0 && options_.model != Model::kPooltool) return {0, 0};
+    const Real angle = positive_angle(y, x);
+    return {std::cos(angle), std::sin(angle)};
+  }
   static Real positive_angle(Real y, Real x) {
     const Real angle = std::atan2(y, x);
     const Real turn = 2 * static_cast<Real>(3.14159265358979323846264338327950288L);
@@ -106,18 +113,17 @@ class FixedStepImpact {
   Ball after(const Ball& b, Real dp) const {
     const Real slip_x = b[0] + b[3] * R_ * sine_ - b[4] * R_ * cosine_;
     const Real slip_z = -b[1] * sine_ + b[2] * R_;
-    const Real cushion = positive_angle(slip_z, slip_x);
-    const Real table = positive_angle(b[1] + b[2] * R_, b[0] - b[3] * R_);
-    const Real cos_c = std::cos(cushion), sin_c = std::sin(cushion);
-    const Real cos_t = std::cos(table), sin_t = std::sin(table);
-    const Real press = sine_ + u_w_ * sin_c * cosine_;
-    const Real pull_x = u_s_ * cos_t * press, pull_y = u_s_ * sin_t * press;
+    const Pair<Real> c = direction(slip_x, slip_z);
+    const Pair<Real> s = direction(b[0] - b[3] * R_, b[1] + b[2] * R_);
+    Real press = sine_ + u_w_ * c.y * cosine_;
+    if (options_.model == Model::kClamped) press = std::max(press, Real(0));
+    const Real pull_x = u_s_ * s.x * press, pull_y = u_s_ * s.y * press;
     const Real mass = 1 / M_, spin = 5 / (2 * M_ * R_);
-    return {b[0] - mass * (u_w_ * cos_c + pull_x) * dp,
-            b[1] - mass * (cosine_ - u_w_ * sine_ * sin_c + pull_y) * dp,
-            b[2] + -spin * (u_w_ * sin_c + pull_y) * dp,
-            b[3] + -spin * (u_w_ * cos_c * sine_ - pull_x) * dp,
-            b[4] + spin * (u_w_ * cos_c * cosine_) * dp};
+    return {b[0] - mass * (u_w_ * c.x + pull_x) * dp,
+            b[1] - mass * (cosine_ - u_w_ * sine_ * c.y + pull_y) * dp,
+            b[2] + -spin * (u_w_ * c.y + pull_y) * dp,
+            b[3] + -spin * (u_w_ * c.x * sine_ - pull_x) * dp,
+            b[4] + spin * (u_w_ * c.x * cosine_) * dp};
   }
 
   const Real R_, M_, u_s_, u_w_, e_, sine_, cosine_;

@@ -174,8 +174,9 @@ TEST_P(BallCushionSteps, AreThoseOfPooltool) {
   EXPECT_LE(worst, kDigits);
 }
 INSTANTIATE_TEST_SUITE_P(Grids, BallCushionSteps,
-                         testing::Values(Grid{"pooltool.csv", {1000, 1e-3}},
-                                         Grid{"pooltool_fine.csv", {5000, 1e-4}}));
+                         testing::Values(Grid{"pooltool.csv", {1000, 1e-3, Model::kPooltool}},
+                                         Grid{"pooltool_fine.csv",
+                                              {5000, 1e-4, Model::kPooltool}}));
 
 // In long double a slip that is zero but for rounding is another: the first step is pushed another
 // way, and so the scheme's answer is another. Elsewhere it agrees.
