@@ -104,7 +104,7 @@ def bench_rows(
     rows: list[BenchRow] = []
     for model in dict.fromkeys(entry.model for entry in entries):
         own = [e for e in entries if e.model == model]
-        first = baseline(target, scene, model, 1000, list(tools.compilers))
+        first = baseline(own[0].variant.question.contest, list(tools.compilers))
         variants = [first]
         for entry in own:
             found = with_compiler_found(entry.variant, tools.compilers)  # type: ignore[arg-type]

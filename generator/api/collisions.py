@@ -16,8 +16,8 @@ _START, _A_STEP, _USUAL_STEPS = 60.0, 1e-7, 10_000  # seconds, and as many steps
 class Collided:
     """What became of cases.
 
-    `kernel`: its name. `outcomes`: a row for each case, v1x..w2z (m/s and 1/s), then the status
-    (0: collided; see `carom.h`). What did not collide keeps its velocities.
+    `kernel`: its name. `outcomes`: a row for each case, its velocities (m/s and 1/s), then the
+    status (0: collided; see `carom.h`). What did not collide keeps its velocities.
     """
 
     kernel: str
@@ -34,15 +34,15 @@ def collide(
 ) -> Collided:
     """Run cases through the kernel that a request stands for.
 
-    `cases`: a row of 24 for each, in the columns of `reference/inputs.csv` (SI units), as
-    `read_cases` gives them. Raises InputError where the request cannot be, KernelError where the
-    kernel cannot be built or run here.
+    `cases`: a row for each, in the columns of the impact (SI units), as `read_cases` gives them.
+    Raises InputError where the request cannot be, KernelError where the kernel cannot be built or
+    run here.
     """
     session, wanted = session or Session(), (request or Request()).resolved()
     require_runs(wanted.host, wanted.target)
     steps = wanted.goal.steps
     variant = wanted.kernel(session)
-    with session.workbench() as bench:
+    with session.workbench(impact=wanted.impact) as bench:
         variant = with_compiler_found(variant, bench.compilers)  # type: ignore[arg-type]
         candidate = bench.built(variant, wanted.target)
         outcomes = bench.tool.run_kernel(

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..choice.candidates import candidates_of
 from ..choice.lookup import batch_kernel_for, entries_for, kernel_for
 from ..errors import InputError
-from ..impacts.ball_ball.models import find_model
-from ..impacts.ball_ball.scene import Scene, find_scene
+from ..impacts.impact import Impact
+from ..impacts.scene import BaseScene
 from ..registry.names import question_named, variant_named
-from ..registry.question import DEFAULT_IMPACT, Goal, find_impact
+from ..registry.question import DEFAULT_IMPACT, Contest, Goal, find_impact
 from ..registry.variant import Variant
-from ..steppers.exact.budgets import plan_for
 from ..targets.host import Host, read_host
 from ..targets.target import Target
 from .session import Session, resolve_target
@@ -37,7 +37,8 @@ class Request:
 
     def goal(self) -> Goal:
         """The steps or the budget. Raises InputError where both are named, or one cannot be."""
-        known = find_scene(self.scene)
+        impact = find_impact(self.impact)
+        known = impact.find_scene(self.scene)
         if self.steps is not None and self.max_error is not None:
             raise InputError("--steps and --max-error exclude each other: name one of them")
         if self.steps is not None:
@@ -47,16 +48,16 @@ class Request:
                 )
             return Goal(self.steps, None)
         budget = known.max_error if self.max_error is None else self.max_error
-        plan_for(budget)
+        candidates_of(impact).tableaus_for(budget)
         known.require_budget(budget)
         return Goal(None, budget)
 
     def resolved(self) -> Resolved:
         """What the names stand for. Raises InputError that names the one there is not."""
-        find_impact(self.impact)
+        impact = find_impact(self.impact)
         target, host = resolve_target(self.target)
-        scene = find_scene(self.scene)
-        model = find_model(self.model or scene.model).name
+        scene = impact.find_scene(self.scene)
+        model = impact.find_model(self.model or scene.model).name
         return Resolved(self, target, host, scene, model, self.goal())
 
 
@@ -67,15 +68,24 @@ class Resolved:
     request: Request
     target: Target
     host: Host
-    scene: Scene
+    scene: BaseScene
     model: str
     goal: Goal
 
     def kernel(self, session: Session) -> Variant:
         """The chosen kernel, or what is used before anything was timed."""
         find = batch_kernel_for if self.request.batch else kernel_for
-        head = session.generated, self.request.target, self.target
-        return find(*head, self.scene.name, self.model, self.goal)
+        return find(session.generated, self.request.target, self.contest)
+
+    @property
+    def contest(self) -> Contest:
+        asked = self.request
+        head = asked.impact, self.target.name, self.scene.name, self.model, self.goal
+        return Contest(*head, "batch" if asked.batch else "scalar")
+
+    @property
+    def impact(self) -> Impact:
+        return find_impact(self.request.impact)
 
 
 def kernel_named(text: str, session: Session) -> Variant:

@@ -1,52 +1,79 @@
-"""Which variants the main job tries. The whole registry is for `./gen sweep`."""
+"""Which variants the main job tries. The whole registry is for `./gen sweep`.
+
+What is worth trying an impact says: `CANDIDATES` of its module `candidates`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from ..impacts.ball_ball.scene import Scene, find_scene
+from ..impacts.impact import Impact
+from ..impacts.scene import BaseScene
 from ..registry.axes import axis
 from ..registry.lane_numbers import float_lanes
 from ..registry.lanes import widths_of
 from ..registry.names import name_of
-from ..registry.presets import PAPER_PRESETS
+from ..registry.question import DEFAULT_IMPACT, Contest, Goal, Question
+from ..registry.recipe import FIXED
 from ..registry.roots import COARSEST_FIRST, allows
 from ..registry.rules import broken_rule
-from ..registry.variant import Stepper, Variant, fixed_steps, make_variant
-from ..steppers.exact.budgets import tableaus_for
-from ..targets.target import Target
+from ..registry.variant import Variant, answered
+from ..targets.target import Target, target_or_port
 
-# Our short list for fixed steps: the slips alone and one pressed ball, in the ways of making 1/|c|
-# and of writing the loop that have won somewhere.
-_BASE = {"state": "reduced", "reuse": "factored", "roots": "early", "branch": "chosen"}
-_SHORT_LIST: tuple[dict[str, str], ...] = (
-    *(
-        {**_BASE, "rsqrt": rsqrt, "order": "chain", "loop": loop}
-        for rsqrt in ("ahead", "prev", "est1", "est2", "inv")
-        for loop in ("onestage", "twostage")
-    ),
-    {**_BASE, "rsqrt": "ahead", "loop": "twostage"},
-    {**_BASE, "rsqrt": "ahead", "loop": "twostage", "order": "chain", "store": "blocks"},
-    {**_BASE, "rsqrt": "ahead", "loop": "twostage", "order": "chain", "simd": "prepost"},
-    {**_BASE, "rsqrt": "ahead", "loop": "twostage", "order": "chain", "reuse": "precompute"},
-    {**_BASE, "rsqrt": "est1", "loop": "twostage", "reuse": "precompute", "simd": "slips"},
-)
-
-# Ways with finished lanes and vectors interleaved that have won somewhere.
-_LANES = (("aside", "i3"), ("aside", "i2"), ("refilled", "i3"))
+Options = Mapping[str, str]
+BASELINE_STEPS = 1000
 
 
-def paper_rows(target: str, scene: str, model: str, stepper: Stepper) -> dict[str, Variant]:
-    """The report's rows as variants, by preset name, those illegal on a target included."""
-    return {p.name: make_variant(target, scene, model, stepper, **p.options) for p in PAPER_PRESETS}
+@dataclass(frozen=True)
+class Candidates:
+    """What is known of an impact's kernels before any has been timed."""
+
+    published: Mapping[str, Options]  # by name, tried with the compiler that they name
+    baseline: str  # of them, what all are timed against
+    fixed: tuple[Options, ...]  # of fixed steps, tried with every compiler
+    fixed_default: Options
+    fixed_lanes: tuple[tuple[str, str], ...]  # finished lanes and vectors in turn; none: no lanes
+    tableaus_for: Callable[[float], tuple[str, ...]]  # that are worth trying for a budget
 
 
-def fixed_step_candidates(
-    target: Target, scene: str, model: str, steps: int, compilers: Iterable[str]
+def candidates_of(impact: Impact) -> Candidates:
+    candidates: Candidates = impact.part("candidates").CANDIDATES
+    return candidates
+
+
+def contest_for(
+    target: Target, scene: str, model: str, goal: Goal, impact: str = DEFAULT_IMPACT
+) -> Contest:
+    """That of single calls."""
+    return Contest(impact, target.name, scene, model, goal, "scalar")
+
+
+def _answered(contest: Contest, stepper: str, options: Options) -> Variant:
+    asked = contest
+    question = Question(asked.impact, asked.target, asked.scene, asked.model, asked.goal)
+    return answered(question, stepper, options)
+
+
+def published(contest: Contest) -> dict[str, Variant]:
+    """What others published as variants, by name, those illegal on a target included."""
+    rows = candidates_of(contest.row).published
+    return {name: _answered(contest, FIXED, options) for name, options in rows.items()}
+
+
+def singles_for(
+    contest: Contest, compilers: Iterable[str], reproducible: bool = False
 ) -> list[Variant]:
+    """Legal variants of single calls in a fixed order: of fixed steps, or for a budget."""
+    if contest.goal.budget is not None:
+        return exact_candidates(contest, compilers, reproducible)
+    return fixed_step_candidates(contest, compilers)
+
+
+def fixed_step_candidates(contest: Contest, compilers: Iterable[str]) -> list[Variant]:
     """Legal variants of the fixed-step scheme in a fixed order, the baseline first."""
-    stepper = fixed_steps(steps)
-    found = list(paper_rows(target.name, scene, model, stepper).values())
+    target = target_or_port(contest.target)
+    found = list(published(contest).values())
     if not target.has("fma"):
         found = [v.with_options(fma="nofma") for v in found]
     fma = "fma" if target.has("fma") else "nofma"
@@ -55,47 +82,40 @@ def fixed_step_candidates(
         found = [v.with_options(compiler=codes[0]) for v in found]
     for compiler in codes:
         found += [
-            make_variant(
-                target.name, scene, model, stepper, compiler=compiler, **{"fma": fma, **options}
-            )
-            for options in _SHORT_LIST
+            _answered(contest, FIXED, {"compiler": compiler, "fma": fma, **options})
+            for options in candidates_of(contest.row).fixed
         ]
     legal = {name_of(v): v for v in found if broken_rule(v, target) is None}
     return list(legal.values())
 
 
 def exact_candidates(
-    target: Target,
-    scene: str,
-    model: str,
-    budget: float,
-    compilers: Iterable[str],
-    reproducible: bool = False,
+    contest: Contest, compilers: Iterable[str], reproducible: bool = False
 ) -> list[Variant]:
     """Legal variants of the exact steppers for a budget, in a fixed order.
 
-    `reproducible`: those whose bits are the same on every CPU, and no others. A level scene has a
-    closed form, which no tableau and no root enters: it is tried once.
+    `reproducible`: those whose bits are the same on every CPU, and no others. A scene with a closed
+    form, which no tableau and no root enters, is tried once.
     """
+    target, budget = target_or_port(contest.target), contest.goal.budget or 0.0
     fma = "fma" if target.has("fma") else "nofma"
-    closed = find_scene(scene).level
-    tableaus = tableaus_for(budget)[:1] if closed else tableaus_for(budget)
-    roots = ("inv",) if closed else _exact_roots(reproducible)
+    closed = bool(contest.known_scene.closed_form)
+    tableaus = candidates_of(contest.row).tableaus_for(budget)
     found = [
-        make_variant(
-            target.name,
-            scene,
-            model,
-            Stepper(tableau, budget=budget),
-            compiler=compiler,
-            fma=fma,
-            root=root,
-        )
+        _answered(contest, tableau, {"compiler": compiler, "fma": fma, **root})
         for compiler in compilers
-        for tableau in tableaus
-        for root in roots
+        for tableau in (tableaus[:1] if closed else tableaus)
+        for root in _root_options(contest, closed, reproducible)
     ]
     return [v for v in found if broken_rule(v, target) is None]
+
+
+def _root_options(contest: Contest, closed: bool, reproducible: bool) -> Sequence[Options]:
+    axes = contest.row.axes
+    if axes is not None and "root" not in axes:
+        return ({},)
+    codes = ("inv",) if closed else _exact_roots(reproducible)
+    return [{"root": code} for code in codes]
 
 
 def _exact_roots(reproducible: bool) -> tuple[str, ...]:
@@ -118,24 +138,25 @@ def default_lanes(single: Variant, target: Target) -> Variant:
 
     Where its scene has none: `single` itself, whose batches go one by one.
     """
-    fixed, known = single.stepper.family == "fixed", find_scene(single.scene)
+    fixed, known = single.stepper.family == "fixed", single.question.known_scene
+    ways = candidates_of(single.question.row).fixed_lanes
     widest = max(widths_of(target, known.precision))
-    if widest == 1 or (known.without_exact_lanes and not fixed):
+    if widest == 1 or (not ways if fixed else known.without_exact_lanes):
         return single
     if not fixed:
         floats, way = float_lanes(single, target), _exact_interleave(known, target)
         root = _exact_lane_roots(single, target, bool(floats))[0]
         numbers, width = ("float", floats[0]) if floats else ("own", widest)
         return single.in_lanes(width, lane_root=root, interleave=way, numbers=numbers)
-    finished, interleave = _LANES[0]
+    finished, interleave = ways[0]
     return single.in_lanes(
         widest, lane_root=_lane_roots(target)[-1], finished=finished, interleave=interleave
     )
 
 
-def _exact_interleave(scene: Scene, target: Target) -> str:
+def _exact_interleave(scene: BaseScene, target: Target) -> str:
     """Two vectors' stages in turn, where there are stages; not for a page that loads the text."""
-    return "i1" if scene.level or target.has("simd128") else "s2"
+    return "i1" if scene.closed_form or target.has("simd128") else "s2"
 
 
 def batch_candidates(
@@ -147,10 +168,13 @@ def batch_candidates(
     """
     if single.stepper.family != "fixed":
         return _exact_batches(single, target, compilers)
+    lanes = candidates_of(single.question.row).fixed_lanes
+    if not lanes:
+        return []
     widest, *narrower = sorted((w for w in widths_of(target) if w > 1), reverse=True)
     roots = _lane_roots(target, reproducible)
-    ways = [(widest, root, *way) for root in roots for way in _LANES]
-    ways += [(width, roots[-1], *_LANES[0]) for width in narrower[:1]]
+    ways = [(widest, root, *way) for root in roots for way in lanes]
+    ways += [(width, roots[-1], *lanes[0]) for width in narrower[:1]]
     found = [
         single.in_lanes(
             width, lane_root=root, finished=finished, interleave=interleave, compiler=compiler
@@ -167,7 +191,7 @@ def _exact_lane_roots(single: Variant, target: Target, floats: bool = False) -> 
 
     `floats`: where their steps are made in floats.
     """
-    plain = single["root"] == "ieee" or find_scene(single.scene).level
+    plain = single["root"] == "ieee" or bool(single.question.known_scene.closed_form)
     if plain or not target.has_rsqrt_estimate:
         return (single["root"],)
     budget, friction = single.stepper.budget or 0.0, single.question.sensitivity
@@ -179,7 +203,7 @@ def _exact_lane_roots(single: Variant, target: Target, floats: bool = False) -> 
 
 def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
     """The chosen exact kernel in the widest lanes, of floats too; narrower ones for comparison."""
-    scene = find_scene(single.scene)
+    scene = single.question.known_scene
     if scene.without_exact_lanes:
         return []
     there = widths_of(target, scene.precision)
@@ -202,17 +226,26 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
     return [v for v in found if broken_rule(v, target) is None]
 
 
-def baseline(
-    target: Target, scene: str, model: str, steps: int, compilers: Iterable[str]
-) -> Variant:
-    """`paper-initial`: the report's initial C with the report's flags; FMA where there is any.
+def baseline(contest: Contest, compilers: Iterable[str]) -> Variant:
+    """What all are timed against, by fixed steps; with FMA where there is any.
 
-    A scene without fixed-step kernels is compared with that of scene `any`.
+    For two balls `paper-initial`: the report's initial C with the report's flags. A scene without
+    fixed-step kernels is compared with that of scene `any`.
     """
-    codes = tuple(compilers)
-    stepper = fixed_steps(steps)
-    own = scene if find_scene(scene).fixed_steps else "any"
-    first = paper_rows(target.name, own, model, stepper)["paper-initial"]
+    codes, target = tuple(compilers), target_or_port(contest.target)
+    own = contest.scene if contest.known_scene.fixed_steps else "any"
+    wanted = replace(contest, scene=own, goal=Goal(steps=BASELINE_STEPS))
+    first = published(wanted)[candidates_of(contest.row).baseline]
     if "gcc" not in codes:
         first = first.with_options(compiler=codes[0])
     return first if target.has("fma") else first.with_options(fma="nofma")
+
+
+def default_kernel(contest: Contest) -> Variant:
+    """What is used before anything was timed."""
+    target, known = target_or_port(contest.target), candidates_of(contest.row)
+    fma = {"fma": "fma" if target.has("fma") else "nofma"}
+    if contest.goal.budget is None:
+        return _answered(contest, FIXED, {**known.fixed_default, **fma})
+    [root, *_] = _root_options(contest, closed=True, reproducible=False)
+    return _answered(contest, known.tableaus_for(contest.goal.budget)[0], {**fma, **root})

@@ -67,7 +67,7 @@ def _codes(bench: Workbench) -> list[str]:
 
 
 def _baseline(bench: Workbench, contest: Contest) -> Variant:
-    return baseline(find_target(contest.target), contest.scene, contest.model, STEPS, _codes(bench))
+    return baseline(contest, _codes(bench))
 
 
 def _legal(bench: Workbench, contest: Contest, variants: Sequence[Variant]) -> list[Variant]:

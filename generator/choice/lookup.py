@@ -6,42 +6,37 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import KernelError
-from ..registry.presets import find_preset
-from ..registry.question import Goal, Question
-from ..registry.variant import Stepper, Variant, fixed_steps, make_variant
-from ..steppers.exact.budgets import tableaus_for
+from ..registry.question import Contest, Question
+from ..registry.variant import Variant, fixed_steps
 from ..targets.host import Host
-from ..targets.target import Target
-from .candidates import default_lanes
+from ..targets.target import Target, target_or_port
+from .candidates import default_kernel, default_lanes
 from .selection import Selected, Selection, place_of, read_selection
 
 
-def kernel_for(
-    generated: Path, target_name: str, target: Target, scene: str, model: str, goal: Goal
-) -> Variant:
+def kernel_for(generated: Path, target_name: str, contest: Contest) -> Variant:
     """The chosen kernel for a model and goal, else the options that are safe before any timing.
 
     Its own number of steps may be another than the goal's.
     """
-    for selection in _selections(generated, target_name, target, scene):
-        if (entry := selection.find(model, goal)) is not None:
+    for selection in _selections(generated, target_name, contest):
+        if (entry := selection.find(contest.model, contest.goal)) is not None:
             return entry.variant
-    return default_kernel(target, scene, model, goal)
+    return default_kernel(contest)
 
 
-def batch_kernel_for(
-    generated: Path, target_name: str, target: Target, scene: str, model: str, goal: Goal
-) -> Variant:
+def batch_kernel_for(generated: Path, target_name: str, contest: Contest) -> Variant:
     """As kernel_for, with the chosen lanes for its batches, else the widest that the target has.
 
     Its number of steps is the goal's: a batch function has no other.
     """
-    for selection in _selections(generated, target_name, target, scene):
-        if (entry := selection.find(model, goal, batch=True)) is not None:
+    goal = contest.goal
+    for selection in _selections(generated, target_name, contest):
+        if (entry := selection.find(contest.model, goal, batch=True)) is not None:
             found = entry.variant
             break
     else:
-        found = default_lanes(default_kernel(target, scene, model, goal), target)
+        found = default_lanes(default_kernel(contest), target_or_port(contest.target))
     return found if goal.steps is None else found.with_stepper(fixed_steps(goal.steps))
 
 
@@ -55,25 +50,12 @@ def entries_for(generated: Path, question: Question) -> list[Selected]:
     return [e for s in found for e in s.kernels if e.variant.question == question]
 
 
-def _selections(
-    generated: Path, target_name: str, target: Target, scene: str
-) -> Iterator[Selection]:
+def _selections(generated: Path, target_name: str, contest: Contest) -> Iterator[Selection]:
     """The stored selections of a target, the one that counts first."""
-    for name in dict.fromkeys((target_name, target.name)):
-        selection = read_selection(place_of(generated, name, scene))
-        if selection is not None and selection.resolved == target.name:
+    for name in dict.fromkeys((target_name, contest.target)):
+        selection = read_selection(place_of(generated, name, contest.scene, contest.impact))
+        if selection is not None and selection.resolved == contest.target:
             yield selection
-
-
-def default_kernel(target: Target, scene: str, model: str, goal: Goal) -> Variant:
-    """What is used before anything was timed."""
-    fma = "fma" if target.has("fma") else "nofma"
-    if goal.steps is not None:
-        options = {**find_preset("reduced-ahead").options, "fma": fma}
-        stepper = fixed_steps(goal.steps)
-        return make_variant(target.name, scene, model, stepper, **options)
-    stepper = Stepper(tableaus_for(goal.budget or 0.0)[0], budget=goal.budget)
-    return make_variant(target.name, scene, model, stepper, fma=fma, root="inv")
 
 
 def with_compiler_found(variant: Variant, compilers: dict[str, object]) -> Variant:

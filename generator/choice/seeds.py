@@ -7,20 +7,21 @@ from collections.abc import Sequence
 
 from ..evidence.records.evidence import Timings
 from ..registry.axes import axis
-from ..registry.question import Contest, Goal
+from ..registry.question import Contest
 from ..registry.recipe import FIXED
 from ..registry.roots import is_reproducible
 from ..registry.variant import Stepper, Variant
-from ..steppers.exact.budgets import tableaus_for
 from ..targets.target import find_target
-from .candidates import batch_candidates, exact_candidates, fixed_step_candidates
+from .candidates import batch_candidates, candidates_of, singles_for
 
 MORE = 6  # of the fastest recorded recipes that are candidates, too
 
 
-def steppers_of(goal: Goal) -> tuple[Stepper, ...]:
-    """Those that can reach a goal."""
-    names = (FIXED,) if goal.budget is None else tableaus_for(goal.budget)
+def steppers_of(contest: Contest) -> tuple[Stepper, ...]:
+    """Those that can reach a contest's goal."""
+    goal = contest.goal
+    known = candidates_of(contest.row).tableaus_for
+    names = (FIXED,) if goal.budget is None else known(goal.budget)
     return tuple(Stepper(name, goal.steps, goal.budget) for name in names)
 
 
@@ -34,14 +35,11 @@ def seeds_of(
 
     One of each of `singles` in turn.
     """
-    target, goal = find_target(contest.target), contest.goal
+    target = find_target(contest.target)
     if contest.batches:
         lanes = (batch_candidates(one, target, compilers, reproducible) for one in singles)
         return [v for some in itertools.zip_longest(*lanes) for v in some if v is not None]
-    head = (target, contest.scene, contest.model)
-    if goal.budget is not None:
-        return exact_candidates(*head, goal.budget, compilers, reproducible)
-    known = fixed_step_candidates(*head, goal.steps or 0, compilers)
+    known = singles_for(contest, compilers, reproducible)
     return [v for v in known if is_reproducible(v)] if reproducible else known
 
 

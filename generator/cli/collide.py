@@ -26,10 +26,10 @@ def collide(cases: Path, out: Path, **asked: Any) -> None:
     """Collide the cases of a CSV file."""
     request = api.Request(**asked)
     request.resolved()
-    table = api.read_cases(cases)
+    table = api.read_cases(cases, request.impact)
     require_place(out)
     with session() as told:
         found = api.collide(table.rows, request, told)
-    write_file(out, api.outcome_text(table.ids, found.outcomes))
+    write_file(out, api.outcome_text(table.ids, found.outcomes, request.impact))
     text = f"{len(table.ids)} cases, {found.collided} collided, by {found.kernel}; written: {out}"
     click.echo(text, err=is_stdout(out))

@@ -12,8 +12,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..choice.candidates import default_lanes
-from ..choice.lookup import default_kernel
+from ..choice.candidates import contest_for, default_kernel, default_lanes
 from ..emission.client_file import client_file
 from ..emission.context import Naming
 from ..emission.kernel_source import KernelSource, emit
@@ -108,7 +107,7 @@ class Row:
 
 
 def _single(target: Target, scene: str, model: str, goal: Goal) -> Variant:
-    first = default_kernel(target, scene, model, goal)
+    first = default_kernel(contest_for(target, scene, model, goal))
     if goal.budget is None:
         return first
     for least, root in _ROOTS:

@@ -37,7 +37,7 @@ class Space:
     @property
     def steppers(self) -> tuple[Stepper, ...]:
         """Those that reach the contest's goal."""
-        return steppers_of(self.contest.goal)
+        return steppers_of(self.contest)
 
     def axes(self, width: int) -> tuple[tuple[Axis, tuple[str, ...]], ...]:
         """The axes that kernels of a width have, each with the codes that it may have here."""

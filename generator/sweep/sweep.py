@@ -7,10 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from random import Random
 
-from ..choice.candidates import baseline
-from ..choice.job import STEPS
+from ..choice.candidates import baseline, default_kernel
 from ..choice.kernel import Rejected, Verified
-from ..choice.lookup import default_kernel
 from ..choice.seeds import recorded_of, seeds_of, steppers_of
 from ..choice.trials import Final
 from ..errors import InputError, KernelError
@@ -63,7 +61,7 @@ def held_options(contest: Contest, target: Target) -> dict[str, tuple[str, ...]]
     if not contest.batches:
         return {}
     family = contest.goal.family
-    first = default_kernel(target, contest.scene, contest.model, contest.goal)
+    first = default_kernel(contest)
     alone = [axis.key for axis in axes_of(family) if axis.family == family and not axis.lanes]
     return {key: (first[key],) for key in alone}
 
@@ -103,7 +101,7 @@ def explorations(plan: Plan, lab: Lab, ledger: Ledger, observe: Observer) -> lis
 
 
 def _baseline(plan: Plan, contest: Contest, lab: Lab) -> Verified:
-    variant = baseline(plan.target, contest.scene, contest.model, STEPS, plan.compilers)
+    variant = baseline(contest, plan.compilers)
     [(_, made)] = lab.build([lab.emit(variant)])
     if isinstance(made, Rejected):
         raise KernelError(f"paper-initial, which all are timed against: {made.text}")
@@ -115,8 +113,8 @@ def _seeds(plan: Plan, contest: Contest) -> list[Variant]:
 
     In lanes: the kernels used before anything was timed, one of each stepper in turn.
     """
-    first = default_kernel(plan.target, contest.scene, contest.model, contest.goal)
-    singles = [first.with_stepper(stepper) for stepper in steppers_of(contest.goal)]
+    first = default_kernel(contest)
+    singles = [first.with_stepper(stepper) for stepper in steppers_of(contest)]
     known = seeds_of(contest, plan.compilers, singles)
     known.sort(key=lambda variant: variant["flags"] != "strict")
     return [*recorded_of(contest, plan.timings, [first]), *known]

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from scipy.stats import kendalltau
 
-from generator.choice.candidates import batch_candidates, exact_candidates, fixed_step_candidates
+from generator.choice.candidates import batch_candidates
 from generator.choice.model_error import MODEL_ERROR, model_band
 from generator.choice.modelling import model_all
 from generator.choice.workbench import Workbench
@@ -28,6 +28,7 @@ from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
 from generator.toolchain.mca import find_mca
 from generator.toolchain.replay import Modelled
+from tests.support.contests import exact_candidates, fixed_step_candidates
 from tests.support.kernels import CACHE, ROOT, bench_tool
 
 WORST = 1.10  # of the fastest recorded may the kernel take that the model picks

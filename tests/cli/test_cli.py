@@ -17,7 +17,6 @@ from click.testing import CliRunner, Result
 
 import generator.api.session as session
 from generator.api import read_cases
-from generator.choice.candidates import baseline, fixed_step_candidates
 from generator.choice.folder import write_folder
 from generator.choice.selection import Selected, Selection, read_selection
 from generator.cli.main import gen
@@ -35,6 +34,7 @@ from generator.registry.rules import broken_rule
 from generator.registry.variant import Variant
 from generator.targets.target import find_target, load_rows, targets
 from generator.toolchain.compilers import find_compilers
+from tests.support.contests import baseline, fixed_step_candidates
 from tests.support.hosts import skip_unless_runs
 from tests.support.kernels import ROOT, bench_tool, variant
 from tests.support.reference import FOLDER, exact_verdict, load_reference
@@ -451,7 +451,7 @@ def test_every_target_has_legal_candidates(target) -> None:
     names = [name_of(v) for v in made]
     assert len(set(names)) == len(names) > 20
     assert all(broken_rule(v, find_target(target)) is None for v in made)
-    first = baseline(find_target(target), "any", "pooltool", 1000, ["gcc", "clang"])
+    first = baseline(find_target(target), "any", "pooltool", ["gcc", "clang"])
     assert made[0] == first and preset_of(first) == "paper-initial"
 
 

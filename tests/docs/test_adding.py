@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
+from dataclasses import replace
 
 import pytest
 
-import generator.choice.candidates as candidates
+import generator.impacts.ball_ball.candidates as candidates
 import generator.registry.axes as axes_room
 import generator.registry.presets as presets
 import generator.targets.host as host
@@ -19,6 +20,7 @@ from generator.registry.names import name_of, variant_of
 from generator.registry.presets import Preset, find_preset
 from generator.registry.variant import fixed_steps, make_variant
 from generator.targets.target import find_target, targets
+from tests.support.contests import fixed_step_candidates
 from tests.support.kernels import ROOT
 
 GUIDES = sorted((ROOT / "docs").glob("adding-a-*.md"))
@@ -105,9 +107,10 @@ def test_a_cpu_is_made_known_in_one_file(monkeypatch) -> None:
 
 def test_a_combination_is_added_in_one_file(monkeypatch) -> None:
     row = {"state": "full", "reuse": "recompute", "roots": "two", "rsqrt": "est2"}
-    monkeypatch.setattr(candidates, "_SHORT_LIST", (*candidates._SHORT_LIST, row))
+    known = candidates.CANDIDATES
+    monkeypatch.setattr(candidates, "CANDIDATES", replace(known, fixed=(*known.fixed, row)))
     target = find_target("x86-64-v3")
-    found = candidates.fixed_step_candidates(target, "any", "pooltool", 1000, ["gcc"])
+    found = fixed_step_candidates(target, "any", "pooltool", 1000, ["gcc"])
     mine = [v for v in found if row.items() <= dict(v.options).items()]
     print([name_of(v) for v in mine])
     assert len(mine) == 1

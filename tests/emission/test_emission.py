@@ -14,7 +14,6 @@ import pytest
 
 from generator import __version__
 from generator.choice.folder import differences, folders
-from generator.choice.lookup import default_kernel
 from generator.choice.selection import read_selection
 from generator.emission.banner import _generator, inputs_hash
 from generator.emission.environment import environment, templates_folder
@@ -30,6 +29,7 @@ from generator.registry.question import Goal
 from generator.registry.rules import require_legal
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
+from tests.support.contests import default_kernel
 from tests.support.kernels import ROOT, compile_alone, random_variants, variant
 
 COMPILERS = [c.path for c in find_compilers()]

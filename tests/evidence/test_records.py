@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from generator.api import Session
-from generator.choice.candidates import batch_candidates, exact_candidates, fixed_step_candidates
+from generator.choice.candidates import batch_candidates
 from generator.choice.choose import choose_by_model, choose_by_records
 from generator.choice.entries import selected
 from generator.choice.folder import write_folder
@@ -33,6 +33,7 @@ from generator.report.sections.cpus import cpu_costs
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from generator.toolchain.replay import Modelled
+from tests.support.contests import exact_candidates, fixed_step_candidates
 
 ROOT = Path(__file__).parents[2]
 CODES = ("gcc", "clang", "clangold")

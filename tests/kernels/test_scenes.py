@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from generator.choice.candidates import baseline, exact_candidates
 from generator.emission.kernel_source import KernelSource, emit
 from generator.errors import InputError, KernelError
 from generator.evidence.timing.bench_tool import ROOT
@@ -37,6 +36,7 @@ from generator.registry.variant import Stepper, Variant, make_variant
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
 from generator.toolchain.flags import compile_flags
 from tests.support.batch_calls import BatchFunction, Outcome, inputs_of
+from tests.support.contests import baseline, exact_candidates
 from tests.support.exact_kernels import portable_target
 from tests.support.kernels import CACHE, EULER, WARNINGS, bench_tool, compiler_of
 from tests.support.reference import exact_verdict
@@ -525,7 +525,7 @@ def test_what_the_fixed_step_scheme_is_not_is_refused(scene: str) -> None:
     """It is pooltool's: of equal balls and in double. The exact job compares with `any`'s."""
     with pytest.raises(InputError, match=f"--scene {scene}: the fixed-step scheme is pooltool's"):
         emit(fixed_step_variant(scene))
-    first = baseline(portable_target(), scene, "mathavan2014", 1000, ["gcc"])
+    first = baseline(portable_target(), scene, "mathavan2014", ["gcc"])
     assert first.scene == "any"
 
 

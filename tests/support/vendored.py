@@ -8,7 +8,6 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-from generator.choice.lookup import default_kernel
 from generator.choice.selection import Selected
 from generator.registry.lanes import widths_of
 from generator.registry.question import Goal
@@ -17,6 +16,7 @@ from generator.vendoring.folder import write_files
 from generator.vendoring.job import all_files
 from generator.vendoring.kernels import TargetKernels
 from generator.vendoring.request import VendorRequest, checked
+from tests.support.contests import default_kernel
 from tests.support.kernels import bench_tool
 
 EXACT = Goal(budget=1e-6)

@@ -116,7 +116,7 @@ def test_a_sweep_of_batches_begins_with_the_widest_lanes(contest: Contest, tmp_p
     tried = [e.variant for e in outcome.exploration.entries.values()]
     widths = Counter((v.stepper.name, v.width) for v in tried)
     print(f"{contest}: {dict(widths)}")
-    steppers = {stepper.name for stepper in steppers_of(contest.goal)}
+    steppers = {stepper.name for stepper in steppers_of(contest)}
     assert {name for name, width in widths if width == 4} == steppers
     assert sum(n for (_, width), n in widths.items() if width == 4) >= len(tried) / 2
 

@@ -134,7 +134,7 @@ def test_a_recorded_kernel_computes_what_it_does_without(runner, compiler, tmp_p
 def judged(runner: EmulatedRunner, monkeypatch) -> tuple[Workbench, Held]:
     """The main job for 1e-6, with two candidates instead of twenty."""
     two = [exact_variant("gcc"), exact_variant("gcc", "dop853")]
-    monkeypatch.setattr(seeds, "exact_candidates", lambda *_: two)
+    monkeypatch.setattr(seeds, "singles_for", lambda *_: two)
     tools = bench(runner)
     asked = Contest("ball-ball", TARGET.name, "any", "mathavan2014", Goal(budget=1e-6), "scalar")
     return tools, hold(tools, asked, read_host(), 1.0)

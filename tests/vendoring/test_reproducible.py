@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from generator.choice.candidates import batch_candidates, exact_candidates
+from generator.choice.candidates import batch_candidates
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
 from generator.impacts.ball_ball.scene import parse_scene
@@ -18,6 +18,7 @@ from generator.registry.roots import is_reproducible
 from generator.targets.target import find_target, targets
 from generator.vendoring.job import compare
 from generator.vendoring.kernels import Places
+from tests.support.contests import exact_candidates
 from tests.support.reference import load_reference
 from tests.support.vendored import EXACT, PAIRS, compiled, ran, request_for, vendored
 

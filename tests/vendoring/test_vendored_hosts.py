@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from generator.choice.lookup import default_kernel
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
 from generator.impacts.ball_ball.models import DEFAULT_MODEL, MODELS
@@ -18,6 +17,7 @@ from generator.registry.lanes import widths_of
 from generator.registry.question import Goal
 from generator.targets.target import find_target
 from generator.vendoring.manifest import read_manifest, sha256_of
+from tests.support.contests import default_kernel
 from tests.support.kernels import ROOT
 from tests.support.vendored import EXACT, PAIRS, STRICT, files_for, ran, request_for, vendored
 

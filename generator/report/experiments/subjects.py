@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ...choice.candidates import baseline, paper_rows
+from ...choice.candidates import baseline, contest_for, published
 from ...choice.lookup import kernel_for, with_compiler_found
 from ...choice.selection import place_of, read_selection
 from ...choice.trials import Final
 from ...registry.names import name_of
 from ...registry.question import Goal
 from ...registry.rules import broken_rule
-from ...registry.variant import Variant, fixed_steps
+from ...registry.variant import Variant
 from ...targets.target import Target
 from ...toolchain.compilers import Compiler
 
@@ -74,8 +74,9 @@ def subjects(
 ) -> list[Subject]:
     """The baseline first; what a sweep chose, else what `generated/` holds, else the default."""
     codes = list(compilers)
-    rows = paper_rows(target.name, scene, model, fixed_steps(STEPS))
-    rows[BASELINE] = baseline(target, scene, model, STEPS, codes)
+    by_steps = contest_for(target, scene, model, Goal(steps=STEPS))
+    rows = published(by_steps)
+    rows[BASELINE] = baseline(by_steps, codes)
     found = [Subject(role, variant, role in (BASELINE, BEST)) for role, variant in rows.items()]
     chosen = _chosen_by_sweep(finals, "scalar")
     goals: list[tuple[str, Goal, tuple[int | None, str]]] = [
@@ -85,7 +86,7 @@ def subjects(
     for role, goal, key in goals:
         variant = chosen.get(key)
         if variant is None:
-            variant = kernel_for(generated, "native", target, scene, model, goal)
+            variant = kernel_for(generated, "native", replace(by_steps, goal=goal))
         found.append(Subject(role, variant, True))
     fitted = [_fitted(subject, target, compilers) for subject in found]
     return [subject for subject in fitted if broken_rule(subject.variant, target) is None]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...choice.candidates import contest_for, default_kernel
 from ...choice.kernel import Emitted, Rejected, Verified
-from ...choice.lookup import default_kernel
 from ...choice.workbench import Workbench
 from ...errors import KernelError
 from ...evidence.profiling.counting import Counted, count_operations
@@ -51,7 +51,7 @@ def kernel_of(target: Target, scene: str, budget: float) -> Variant:
     Roots are of one Newton step for budgets from 1e-6 on, where the rules allow that.
     """
     model = find_scene(scene).model
-    made = default_kernel(target, scene, model, Goal(budget=budget))
+    made = default_kernel(contest_for(target, scene, model, Goal(budget=budget)))
     quick = made.with_options(root="est1")
     return quick if budget >= 1e-6 and broken_rule(quick, target) is None else made
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...choice.candidates import baseline, exact_candidates
+from ...choice.candidates import baseline, contest_for, exact_candidates
 from ...choice.cases import TIMING_CASES, TIMING_SEED
 from ...choice.kernel import Built, Rejected
 from ...choice.lookup import kernel_for, with_compiler_found
@@ -130,13 +130,14 @@ def _entries(
 ) -> list[Entry]:
     """The baseline first; a kernel that belongs to two groups is measured once, in the first."""
     codes = list(bench.compilers)
-    first = baseline(target, scene, model, BASELINE_STEPS, codes)
-    best = kernel_for(generated, "native", target, scene, model, Goal(steps=BASELINE_STEPS))
+    by_steps = contest_for(target, scene, model, Goal(steps=BASELINE_STEPS))
+    budgets = [contest_for(target, scene, model, Goal(budget=budget)) for budget in BUDGETS]
+    first, best = baseline(by_steps, codes), kernel_for(generated, "native", by_steps)
     best = with_compiler_found(best, dict(bench.compilers))
     groups: dict[Group, Iterable[Variant]] = {
         "baseline": [first],
         "euler": [best.with_stepper(fixed_steps(n)) for n in STEPS],
-        "exact": [v for b in BUDGETS for v in exact_candidates(target, scene, model, b, codes[:1])],
+        "exact": [v for contest in budgets for v in exact_candidates(contest, codes[:1])],
         "family": _family(target, scene, model, codes[0]),
     }
     labelled = [(group, variant) for group, variants in groups.items() for variant in variants]
