@@ -42,7 +42,9 @@ def _roots_in_budget(v: Variant, target: Target) -> bool:
     scene, friction = asked.known_scene, asked.sensitivity
     if budget is None or scene.closed_form:
         return True
-    alone = allows(budget, friction, v["root"], target, one_float=scene.precision == "float")
+    alone = allows(
+        budget, friction, v.get("root", "inv"), target, one_float=scene.precision == "float"
+    )
     return alone and (
         v.width == 1 or allows(budget, friction, v["lane_root"], target, in_floats=_floats(v))
     )

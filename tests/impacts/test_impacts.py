@@ -41,7 +41,7 @@ REMAINING = {
     "generator/evidence/challenge/*": (10, "charts of a search among slips of balls"),
     "generator/evidence/profiling/*": (2, "cases are given to what counts"),
     "generator/evidence/records/*": (1, "scenes by name"),
-    "generator/api/*": (10, "scenes and models by name"),
+    "generator/api/*": (9, "scenes and models by name"),
     "generator/choice/*": (3, "scenes by name, the parameters of a batch"),
     "generator/cli/*": (4, "help, the words of a finding"),
     "generator/clients/*": (1, "the kernels of two masses"),

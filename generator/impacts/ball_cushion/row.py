@@ -44,5 +44,5 @@ BALL_CUSHION = Impact(
     scene_table=lambda: scene.scenes(),  # asked anew: the one table, whoever has added to it
     words=_words,
     sensitivity=_sensitivity,
-    axes=frozenset({"root", "fma", "lane_root", "interleave", "numbers", "compiler", "flags"}),
+    axes=frozenset({"fma", "compiler", "flags"}),
 )
