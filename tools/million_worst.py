@@ -24,7 +24,7 @@ import numpy as np
 
 from generator.choice.folder import checked_selection, folders
 from generator.emission.kernel_source import KernelSource, emit
-from generator.evidence.timing.bench_tool import ROOT, BenchTool
+from generator.evidence.timing.bench_tool import ROOT, BenchTool, Way
 from generator.evidence.verification.worst_estimates import PATTERNS, Pattern, at_worst
 from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
@@ -67,7 +67,7 @@ class Row:
                 chunk.cases,
                 batch=self.variant.width > 1,
                 timeout=3600,
-                environment=pattern.environment(),
+                way=Way(environment=pattern.environment()),
             )
             largest = (self._exact if self.exact else self._fixed)(tool, chunk, got, pattern)
             if largest > self.largest:

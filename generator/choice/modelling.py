@@ -16,6 +16,7 @@ from typing import Any
 
 from ..errors import KernelError
 from ..evidence.records.code import key_of
+from ..evidence.timing.bench_tool import Way
 from ..evidence.verification.errors import Array
 from ..lowering.lanes import lane_context
 from ..registry.lane_numbers import precision_of
@@ -101,7 +102,7 @@ def replayed(
     with tempfile.TemporaryDirectory() as folder:
         trace = Path(folder, "trace")
         runner = bench.emulated or bench.tool
-        runner.run_kernel(library.path, cases, batch=batch, trace=trace)
+        runner.run_kernel(library.path, cases, batch=batch, way=Way(trace=trace))
         ran = kernel.instructions(trace)
         decoded = kernel.decoded_again(trace, target.row.decoded)
     return Modelled(

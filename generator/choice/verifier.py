@@ -10,7 +10,7 @@ from typing import Any
 
 from ..errors import KernelError
 from ..evidence.records.code import key_of
-from ..evidence.timing.bench_tool import BenchTool
+from ..evidence.timing.bench_tool import BenchTool, Way
 from ..evidence.timing.emulated import EmulatedRunner
 from ..evidence.verification.errors import Array
 from ..evidence.verification.verdict import Verdict, with_worst
@@ -91,7 +91,7 @@ class Verifier:
                 limit_there = EMULATED * limit
                 return self.emulated.run_kernel(library, cases, batch=batch, timeout=limit_there)
             return self.tool.run_kernel(
-                library, cases, batch=batch, timeout=limit, environment=environment
+                library, cases, batch=batch, timeout=limit, way=Way(environment=environment)
             )
 
         return run

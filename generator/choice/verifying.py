@@ -56,10 +56,9 @@ def _verdicts_of_calls(
     run: Run, variant: Variant, expected: Expected, batch: bool
 ) -> dict[str, Any]:
     """The same for calls one by one, or of the batch function."""
-    steps, cases, exact = variant.stepper.steps, expected.cases, expected.exact
-    evidence = evidence_of(variant.question.row)
-    steep = np.zeros(len(cases))
-    if steps is None:
+    cases, exact, steep = expected.cases, expected.exact, np.zeros(len(expected.cases))
+    goal = variant.question.goal
+    if goal.budget is not None:
         cases = np.vstack([cases, expected.hard.cases])
         exact = np.vstack([exact, expected.hard.exact])
         steep = np.concatenate([steep, expected.hard.steep])
@@ -67,12 +66,19 @@ def _verdicts_of_calls(
         got = run(cases, batch)
     except KernelError as error:
         return {"oracle": broken(error, expected), "pooltool": None}
-    if steps is None:
-        budget = variant.stepper.budget
-        assert budget is not None
-        verdict = exact_verdict(evidence.measure, cases, got, exact, budget, steep)
+    if goal.budget is not None:
+        measure = evidence_of(variant.question.row).measure
+        verdict = exact_verdict(measure, cases, got, exact, goal.budget, steep)
         return {"oracle": asdict(verdict), "pooltool": None}
-    assert expected.euler is not None
+    return _verdicts_of_scheme(variant, got, expected)
+
+
+def _verdicts_of_scheme(variant: Variant, got: Array, expected: Expected) -> dict[str, Any]:
+    """Of fixed steps: against the same scheme, and pooltool's own where it is known."""
+    cases, exact, steps = expected.cases, expected.exact, variant.stepper.steps or 0
+    evidence = evidence_of(variant.question.row)
+    if expected.euler is None:
+        raise KernelError(f"scene {expected.scene}: no fixed-step results are known")
     verdict = evidence.fixed_verdict(cases, got, expected.euler, exact, steps)
     theirs = None
     if expected.pooltool is not None:

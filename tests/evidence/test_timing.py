@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from generator.errors import KernelError
-from generator.evidence.timing.bench_tool import ROOT, BenchTool, build_bench_tool
+from generator.evidence.timing.bench_tool import ROOT, BenchTool, Way, build_bench_tool
 from generator.evidence.timing.plan import PlannedKernel, TimingPlan
 from generator.evidence.timing.ratios import (
     Measurement,
@@ -135,9 +135,9 @@ def test_batch_in_place_and_steps_agree(tool: BenchTool, oracle: Path) -> None:
     plain = tool.run_kernel(oracle, rows)
     assert plain[3, VELOCITIES] == 2
     assert errors_of(rows, plain, tool.run_kernel(oracle, rows, batch=True)).absolute.max() == 0
-    both = tool.run_kernel(oracle, rows, batch=True, in_place=True)
+    both = tool.run_kernel(oracle, rows, batch=True, way=Way(in_place=True))
     assert errors_of(rows, plain, both).absolute.max() == 0
-    steps = tool.run_kernel(oracle, rows, steps=1000, in_place=True)
+    steps = tool.run_kernel(oracle, rows, steps=1000, way=Way(in_place=True))
     assert errors_of(rows, plain, steps).absolute.max() == 0
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from generator.choice.modelling import lanes_in_flight
 from generator.errors import KernelError
+from generator.evidence.timing.bench_tool import Way
 from generator.evidence.verification.worst_estimates import PATTERNS
 from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
@@ -248,7 +249,9 @@ def test_exact_batches_hold_their_budget(model):
     for each, built in zip(shaky, build_all(shaky, worst=True), strict=True):
         assert not isinstance(built, KernelError), built
         for pattern in PATTERNS:
-            got = tool.run_kernel(built.path, cases, batch=True, environment=pattern.environment())
+            got = tool.run_kernel(
+                built.path, cases, batch=True, way=Way(environment=pattern.environment())
+            )
             worst = Worst(each.stepper.budget)
             worst.add(cases, ["all"] * len(cases), got, want)
             print(f"{each.target} x{each.width}, {pattern.name}: {worst.error:.2g}")

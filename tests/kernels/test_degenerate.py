@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from generator.evidence.timing.bench_tool import BenchTool
+from generator.evidence.timing.bench_tool import BenchTool, Way
 from generator.evidence.verification.errors import Array
 from generator.impacts.ball_ball.evidence.measure import CASE_NAMES, STATUS
 from tests.support.exact_kernels import (
@@ -253,7 +253,7 @@ class Kernel:
     def run(self, rows: Array, batch: bool, in_place: bool) -> Array:
         limit = 600 + SLOWEST[self.family] * len(rows)  # on a busy machine too
         return self.tool.run_kernel(
-            self.library, rows, batch=batch, in_place=in_place, timeout=limit
+            self.library, rows, batch=batch, timeout=limit, way=Way(in_place)
         )
 
 

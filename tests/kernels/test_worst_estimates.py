@@ -11,6 +11,7 @@ from generator.choice.entries import found_errors
 from generator.choice.kernel import Rejected, verdict_of
 from generator.choice.workbench import Workbench
 from generator.emission.kernel_source import emit
+from generator.evidence.timing.bench_tool import Way
 from generator.evidence.verification.worst_estimates import (
     HEADER,
     PATTERNS,
@@ -217,7 +218,7 @@ def test_the_tightest_legal_budget_holds_under_the_worst_estimates(
     want = tool.expect(cases, "exact", model)
     for pattern in PATTERNS:
         got = tool.run_kernel(
-            library.path, cases, batch=width > 1, environment=pattern.environment()
+            library.path, cases, batch=width > 1, way=Way(environment=pattern.environment())
         )
         worst = Worst(variant.stepper.budget)
         worst.add(cases, ["all"] * len(cases), got, want)

@@ -9,6 +9,7 @@ from generator.choice.job import Held, hold, hold_batches
 from generator.choice.kernel import Estimated
 from generator.choice.workbench import Workbench
 from generator.emission.kernel_source import emit
+from generator.evidence.timing.bench_tool import Way
 from generator.evidence.timing.emulated import EmulatedRunner, emulated_runner
 from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
 from generator.registry.question import Contest, Goal
@@ -124,7 +125,7 @@ def test_a_recorded_kernel_computes_what_it_does_without(runner, compiler, tmp_p
     rest = {k: v for k, v in made.sources.items() if k not in probe}
     kernel = traced(rest, probe, made.compiler, made.flags, made.name, TARGET.row.arch)
     trace, cases = tmp_path / "trace", bench_tool().make_cases(31, 50).rows
-    got = runner.run_kernel(build(kernel.job, CACHE).path, cases, trace=trace)
+    got = runner.run_kernel(build(kernel.job, CACHE).path, cases, way=Way(trace=trace))
     assert np.array_equal(got, runner.run_kernel(made.library.path, cases))
     each = len(kernel.instructions(trace)) / len(cases)
     print(f"{compiler}: {each:.0f} instructions a collision")

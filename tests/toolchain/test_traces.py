@@ -11,6 +11,7 @@ from generator.choice import modelling
 from generator.choice.kernel import Emitted
 from generator.choice.workbench import Workbench
 from generator.errors import KernelError
+from generator.evidence.timing.bench_tool import Way
 from generator.evidence.verification.errors import Array
 from generator.registry.presets import find_preset
 from generator.registry.variant import Stepper, Variant, make_variant
@@ -89,7 +90,7 @@ def test_a_recorded_kernel_computes_what_it_does_without(kind: str, code: str, t
     kernel = traced(rest, probe, compiler_of(made.variant), made.flags, made.name)
     library, trace, cases = build(kernel.job, CACHE), tmp_path / "trace", some_cases(50)
     steps = None if kind == "exact" else 20
-    got = bench_tool().run_kernel(library.path, cases, steps=steps, trace=trace)
+    got = bench_tool().run_kernel(library.path, cases, steps=steps, way=Way(trace=trace))
     whole = bench().built(made.variant, find_target(TARGET)).library.path
     plain = bench_tool().run_kernel(whole, cases, steps=steps)
     assert np.array_equal(got, plain)
@@ -97,7 +98,7 @@ def test_a_recorded_kernel_computes_what_it_does_without(kind: str, code: str, t
     print(f"{kind} {code}: {each:.0f} instructions a collision")
     assert 200 < each < 20_000
     with pytest.raises(KernelError, match="carom_trace"):
-        bench_tool().run_kernel(whole, cases, trace=trace)
+        bench_tool().run_kernel(whole, cases, way=Way(trace=trace))
 
 
 def cycles_of(variant: Variant, count: int = 32) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -43,8 +44,9 @@ def score_of(hunt: Hunt, judge: Judge, count: Callable[[Array], Array] | None) -
         return lambda cases: growth(judge, cases)
     if hunt == "symmetry":
         return lambda cases: asymmetry(judge, cases)
-    assert count is not None
-    return lambda cases: _counted(judge, count, cases)
+    if count is None:
+        raise ValueError("slow: expected a function that counts evaluations")
+    return partial(_counted, judge, count)
 
 
 def _counted(judge: Judge, count: Callable[[Array], Array], cases: Array) -> Array:

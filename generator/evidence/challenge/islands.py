@@ -47,10 +47,10 @@ class Island:
     def ask(self) -> Array:
         if self.strategy is None and self.near is None:
             return np.random.default_rng(self.seed).uniform(0, 1, (_FIRST, len(GENES)))
-        if self.strategy is None:
-            self._begin(self.near, _NARROW)
-        assert self.strategy is not None
-        return np.array(self.strategy.ask())
+        strategy = self.strategy
+        if strategy is None:
+            strategy = self._begin(self.near, _NARROW)
+        return np.array(strategy.ask())
 
     def tell(self, genes: Array, cases: Array, scores: Array) -> None:
         top = int(np.argmax(scores))
@@ -72,7 +72,7 @@ class Island:
         if self.strategy is not None:
             self.strategy.inject([genes])
 
-    def _begin(self, genes: Array | None, width: float) -> None:
+    def _begin(self, genes: Array | None, width: float) -> cma.CMAEvolutionStrategy:
         draw = np.random.default_rng(self.seed).standard_normal  # not NumPy's, which threads share
         options = {
             "popsize": _POPULATION,
@@ -83,6 +83,7 @@ class Island:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             self.strategy = cma.CMAEvolutionStrategy(genes, width, options)
+        return self.strategy
 
     @property
     def resting(self) -> bool:

@@ -69,6 +69,22 @@ def _read(path: Path, columns: int, rows: int) -> Array:
 
 
 @dataclass(frozen=True)
+class Way:
+    """How a run is not as usual.
+
+    `in_place`: the outcome overwrites the input; `trace`: file for the blocks that ran (of
+    toolchain.traces); `environment`: variables for the process that runs the kernel.
+    """
+
+    in_place: bool = False
+    trace: Path | None = None
+    environment: Mapping[str, str] | None = None
+
+
+USUAL = Way()
+
+
+@dataclass(frozen=True)
 class BenchTool:
     """A carom_bench built for an impact. Every method raises KernelError with the reason.
 
@@ -147,23 +163,19 @@ class BenchTool:
         cases: Array,
         steps: int | None = None,
         batch: bool = False,
-        in_place: bool = False,
         timeout: float = RUN_TIMEOUT,
-        trace: Path | None = None,
-        environment: Mapping[str, str] | None = None,
+        way: Way = USUAL,
     ) -> Array:
         """What a kernel makes of the cases: velocities and a status.
 
-        `steps`: instead of its own; `batch`: through its batch function; `in_place`: the outcome
-        overwrites the input; `trace`: file for the blocks that ran (of toolchain.traces);
-        `environment`: variables for the process that runs it.
+        `steps`: instead of its own; `batch`: through its batch function.
         """
-        flags = ["--batch"] * batch + ["--in-place"] * in_place
-        flags += [] if trace is None else ["--trace", str(trace)]
+        flags = ["--batch"] * batch + ["--in-place"] * way.in_place
+        flags += [] if way.trace is None else ["--trace", str(way.trace)]
         options = ["--kernel", library, *([] if steps is None else ["--steps", steps]), *flags]
         with tempfile.TemporaryDirectory() as name:
             files = ("--cases", _write(Path(name, "cases"), cases), "--out", Path(name, "out"))
-            self._run("run", *options, *files, timeout=timeout, environment=environment)
+            self._run("run", *options, *files, timeout=timeout, environment=way.environment)
             return _read(Path(name, "out"), self.columns.outcome_width, len(cases))
 
     def threads(

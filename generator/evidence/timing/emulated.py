@@ -17,7 +17,7 @@ from ...places import sources
 from ...targets.target import Target
 from ...toolchain.compilers import compilers_for, emulator_for
 from ...toolchain.process import run, run_checked
-from .bench_tool import source_hash
+from .bench_tool import USUAL, Way, source_hash
 from .plan import Array
 
 PROGRAM = "tests/cpp/run_rows.cpp"
@@ -40,16 +40,16 @@ class EmulatedRunner:
         steps: int | None = None,
         batch: bool = False,
         timeout: float = 300.0,
-        trace: Path | None = None,
+        way: Way = USUAL,
     ) -> Array:
-        """As BenchTool.run_kernel. Raises KernelError with the reason."""
+        """As BenchTool.run_kernel, of `way` the trace alone. Raises KernelError with the reason."""
         with tempfile.TemporaryDirectory() as name:
             given, out = Path(name, "cases"), Path(name, "out")
             np.ascontiguousarray(cases, dtype=np.float64).tofile(given)
             words = [*self.emulator, str(self.program), str(library), str(given), str(out)]
             words += ["--batch"] * batch
             words += [] if steps is None else ["--steps", str(steps)]
-            words += [] if trace is None else ["--trace", str(trace)]
+            words += [] if way.trace is None else ["--trace", str(way.trace)]
             done = run(words, timeout)
             if done.code != 0:
                 kind = KernelCrash if done.code < 0 else KernelError

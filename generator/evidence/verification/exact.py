@@ -32,9 +32,8 @@ def exact_verdict(
         return failure
     allowed = np.maximum(budget, steep)
     beyond = errors.relative > allowed
-    worst = worst_of(errors.relative, beyond if beyond.any() else errors.relative >= 0)
-    assert worst is not None
-    if beyond[worst]:
+    worst = worst_of(errors.relative, beyond)
+    if worst is not None:
         reason = f"off by {errors.relative[worst]:.3g} of the relative speed, more than {budget:g}"
         return failed(reason, errors, worst)
     return Verdict(
@@ -43,5 +42,5 @@ def exact_verdict(
         max_abs_error=float(errors.absolute.max()),
         max_rel_error=float(errors.relative.max()),
         cases=len(cases),
-        worst_case=worst,
+        worst_case=worst_of(errors.relative, errors.relative >= 0),
     )
