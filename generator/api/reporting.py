@@ -173,7 +173,7 @@ def read_plot(source: Path) -> SpeedError:
         return speed_error_of(json.loads(source.read_text("utf-8")))
     except OSError as error:
         raise InputError(f"{source}: cannot be read: {error.strerror}") from None
-    except (ValueError, KeyError, TypeError) as error:
+    except ValueError as error:
         raise InputError(f"{source}: not what gen plot wrote: {error}") from None
 
 

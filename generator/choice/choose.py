@@ -33,7 +33,7 @@ class Choice:
     measured_on: str
     evidence: str  # for readers: which CPU, when, how many; or which model
     ratio: float | None = None  # of time, or of modelled cycles, to the baseline's
-    ratio_ci: Interval | None = None
+    interval: Interval | None = None  # of that ratio, 95 %
     sought: str | None = None  # what a search for errors found of it; None: not searched
 
 
@@ -59,7 +59,7 @@ def choose_by_time(kernels: Sequence[Verified | Rejected], rounds: Rounds, host:
         measured_on=cpu,
         evidence=f"timed on {host.cpu} ({cpu}), {rounds.whole.day}, {len(timed)} kernels",
         ratio=round(chosen.timing.ratio, 4),
-        ratio_ci=(round(chosen.timing.ratio_ci[0], 4), round(chosen.timing.ratio_ci[1], 4)),
+        interval=(round(chosen.timing.ratio_ci[0], 4), round(chosen.timing.ratio_ci[1], 4)),
     )
 
 
@@ -118,7 +118,7 @@ def choose_by_records(
         measured_on=target.name,
         evidence=evidence,
         ratio=ratio[0] if ratio else None,
-        ratio_ci=ratio[1] if ratio else None,
+        interval=ratio[1] if ratio else None,
     )
 
 

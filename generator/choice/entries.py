@@ -22,7 +22,7 @@ def selected(choice: Choice) -> Selected:
         "measured_on": choice.measured_on,
         "evidence": choice.evidence,
         "ratio_to_baseline": choice.ratio,
-        "ratio_ci": choice.ratio_ci,
+        "interval": choice.interval,
         "search": choice.sought or "",
         **found_errors(choice.chosen.verdict),
     }
@@ -37,7 +37,7 @@ def selected_by_sweep(final: Final) -> Selected:
         "chosen_by": "timing",
         "measured_on": row.subject.asked.target,
         "ratio_to_baseline": round(row.times.ratio, 4),
-        "ratio_ci": (round(low, 4), round(high, 4)),
+        "interval": (round(low, 4), round(high, 4)),
         "max_rel_error": _short(row.max_rel_error),
     }
     ties = [name for name in final.ties if name != final.chosen]

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from ..errors import InputError
 from ..registry.names import variant_of
@@ -21,7 +21,7 @@ ChosenBy = Literal["timing", "records", "llvm-mca", "default"]  # records: timed
 class Selected(BaseModel):
     """One kernel that was chosen, and on what grounds."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
 
     question: str
     recipe: str  # compiler and flags, too
@@ -29,7 +29,7 @@ class Selected(BaseModel):
     measured_on: str  # the CPU that was timed or modelled
     evidence: str = ""  # which CPU was timed, when, how many kernels, how many of earlier code
     ratio_to_baseline: float | None  # of time, or of modelled cycles
-    ratio_ci: tuple[float, float] | None
+    interval: tuple[float, float] | None = Field(alias="ratio_ci")  # of that ratio, 95 %
     max_rel_error: float | None
     # The largest error under the worst root estimates allowed; None: no estimate enters.
     worst_estimate_error: float | None = None
@@ -111,7 +111,7 @@ class Selection(BaseModel):
         return self.model_copy(update={"kernels": ordered})
 
     def text(self) -> str:
-        return json.dumps(self.model_dump(mode="json"), indent=2) + "\n"
+        return json.dumps(self.model_dump(mode="json", by_alias=True), indent=2) + "\n"
 
 
 def batch_rank(entry: Selected) -> tuple[float, int]:

@@ -17,7 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from ..errors import KernelError
 from ..evidence.records.code import digest
-from ..evidence.timing.ratios import TimingRun, control_band, timing_results
+from ..evidence.timing.ratios import Speed, TimingRun, control_band, timing_results, to_digits
 from ..registry.question import Call, Goal, Question, read_question
 from ..registry.variant import Variant, answered
 from .kernel import Code, Emitted, Reason, Rejected, verdict_of
@@ -28,7 +28,7 @@ _DIGITS = 5
 
 def rounded(value: float) -> float:
     """To as many digits as records keep."""
-    return float(f"{value:.{_DIGITS}g}")
+    return to_digits(value, _DIGITS)
 
 
 def _known(value: float) -> float | None:
@@ -157,13 +157,10 @@ class Errors(_Part):
         )
 
 
-class Times(_Part):
-    """What timing found, against `paper-initial` in the same rounds; medians over the rounds."""
+class Times(Speed, _Part):
+    """What timing found, against `paper-initial` in the same rounds."""
 
-    ns: float  # a collision
     cycles: float  # of the time stamp counter
-    ratio: float  # of time to the baseline's in the same round
-    ratio_ci: tuple[float, float]  # 95 %, from order statistics
     control: tuple[float, float]  # A/A band: ratios that the baseline has to itself
     baseline_ns: float
     rounds: int
@@ -175,12 +172,10 @@ class Times(_Part):
         """What a timing says of a kernel, against the baseline in the same rounds."""
         result = next(r for r in timing_results(run) if r.name == name)
         base = run.throughput.ns[run.baseline]
-        (low, high), control = result.ratio_ci, control_band(run)
+        control = control_band(run)
         return Times(
-            ns=rounded(result.ns),
+            **result.rounded(_DIGITS),
             cycles=rounded(result.cycles),
-            ratio=rounded(result.ratio),
-            ratio_ci=(rounded(low), rounded(high)),
             control=(rounded(control[0]), rounded(control[1])),
             baseline_ns=rounded(float(np.median(base))),
             rounds=run.rounds,

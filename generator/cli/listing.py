@@ -69,7 +69,7 @@ def _show_costs(target: str, seconds: float, as_json: bool) -> None:
 
 
 def _cost(cost: SceneCost) -> dict[str, object]:
-    low, high = cost.ratio_ci
+    low, high = cost.speed.ratio_ci
     return {
         "scene": cost.scene,
         "E": cost.budget,
@@ -78,8 +78,8 @@ def _cost(cost: SceneCost) -> dict[str, object]:
         "flops a collision": round(cost.collision.flops_per_collision),
         "flops a collision, any": round(cost.collision_any.flops_per_collision),
         "flops ratio": three_digits(cost.flops_ratio),
-        "ns": round(cost.ns),
+        "ns": round(cost.speed.ns),
         "ns, any": round(cost.ns_any),
-        "ns ratio": three_digits(cost.ratio),
+        "ns ratio": three_digits(cost.speed.ratio),
         "95 %": f"{three_digits(low)}-{three_digits(high)}",
     }

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from ..choice.trials import Depends, Final, Run, Times, Trial
 from ..evidence.records.record import Basis, Cpu, TimingRecord
+from ..evidence.timing.ratios import Speed
 from ..targets.host import KNOWN_CPUS
 from .ledger import identity
 from .store import ResultStore
@@ -76,10 +77,8 @@ def _record(timed: _Timed, run: Run) -> TimingRecord:
     return TimingRecord(
         question=str(variant.question),
         recipe=str(variant.recipe),
-        ratio=timed.times.ratio,
-        ratio_ci=timed.times.ratio_ci,
+        **timed.times.model_dump(include=set(Speed.model_fields)),
         control=timed.times.control,
-        ns=timed.times.ns,
         rounds=timed.times.rounds,
         when=timed.made_at[:19] + "Z",
         origin=timed.origin,

@@ -48,7 +48,14 @@ def test_pareto_front() -> None:
 def test_a_picture_has_no_date_and_the_same_bytes_each_time() -> None:
     groups = ("baseline", "euler", "exact", "family")
     points = tuple(point(1 / (i + 1), 10.0 ** -(i + 2), group) for i, group in enumerate(groups))
-    measured = SpeedError("a CPU", "zen3", "any", "mathavan2014", {"gcc": "12"}, points)
+    measured = SpeedError(
+        cpu="a CPU",
+        target="zen3",
+        scene="any",
+        model="mathavan2014",
+        compilers={"gcc": "12"},
+        points=points,
+    )
     first = draw(measured)
     assert first == draw(speed_error_of(json.loads(json.dumps(measured.document()))))
     assert "<dc:date>" not in first and "<dc:creator>" not in first

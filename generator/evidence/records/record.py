@@ -6,12 +6,19 @@ record.
 
 from __future__ import annotations
 
+import json
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-Interval = tuple[float, float]
+from ..timing.ratios import Interval, Speed
+
 HASH = 16  # digits that a record keeps: it is to be read
+
+ORDER = (  # of the fields in a line
+    *("question", "recipe", "ratio", "ratio_ci", "control", "ns", "rounds"),
+    *("when", "origin", "cpu", "basis"),
+)
 
 # What a time depends on, as a reader calls it.
 CALLED = {
@@ -62,16 +69,13 @@ class Basis(_Part):
         return tuple(CALLED[k] for k in CALLED if getattr(self, k) != getattr(now, k))
 
 
-class TimingRecord(_Part):
-    """How fast one kernel was. Times are of one collision, medians over the rounds."""
+class TimingRecord(Speed, _Part):
+    """How fast one kernel was on a CPU."""
 
     schema_version: Literal[1] = 1
     question: str = Field(pattern=r"^[^/ ]+(/[^/ ]+){3}$")
     recipe: str
-    ratio: float = Field(gt=0)  # of time to that of `paper-initial` in the same round
-    ratio_ci: Interval  # 95 %
     control: Interval | None  # the A/A band: ratios that the baseline has to itself
-    ns: float = Field(gt=0)
     rounds: int | None = Field(gt=0)
     when: str = Field(pattern=r"^\d{4}-\d\d-\d\d(T[\d:.]+Z)?$")  # UTC
     origin: str  # what timed it, and whether in company
@@ -94,4 +98,5 @@ class TimingRecord(_Part):
 
     def line(self) -> str:
         """The record as text; the same record is the same line."""
-        return self.model_dump_json(exclude={"schema_version"})
+        body = self.model_dump(mode="json")
+        return json.dumps({key: body[key] for key in ORDER}, separators=(",", ":"))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
 from scipy.stats import binom
 
 from ...errors import KernelError
@@ -21,15 +22,32 @@ Interval = tuple[float, float]
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class TimingResult:
-    """How fast a kernel is. Times are medians over the rounds, for one collision."""
+class Speed(BaseModel):
+    """How fast a kernel was, for one collision: medians over the rounds."""
+
+    model_config = ConfigDict(frozen=True)
+
+    ns: float = Field(gt=0)
+    ratio: float = Field(gt=0)  # of time to that of `paper-initial` in the same round
+    ratio_ci: Interval  # 95 %, from order statistics
+
+    def rounded(self, digits: int) -> dict[str, Any]:
+        """The figures to so many digits."""
+        low, high = self.ratio_ci
+        ends = (to_digits(low, digits), to_digits(high, digits))
+        ns, ratio = to_digits(self.ns, digits), to_digits(self.ratio, digits)
+        return {"ns": ns, "ratio": ratio, "ratio_ci": ends}
+
+
+def to_digits(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
+
+
+class TimingResult(Speed):
+    """What a timing says of a kernel."""
 
     name: str
-    ns: float
     cycles: float  # of the time stamp counter, which ticks at a constant rate
-    ratio: float  # median of time / baseline's time in the same round
-    ratio_ci: Interval
     latency_ns: float | None  # each collision fed by the last
     seed_ns: float | None = None  # on the seed cases
 

@@ -11,7 +11,7 @@ from ...choice.workbench import Workbench
 from ...errors import KernelError
 from ...evidence.profiling.counting import Counted, count_operations
 from ...evidence.timing.plan import PlannedKernel, TimingPlan
-from ...evidence.timing.ratios import Interval, timing_results
+from ...evidence.timing.ratios import Speed, timing_results
 from ...evidence.verification.errors import Array
 from ...impacts.ball_ball.scene import find_scene
 from ...registry.question import Goal
@@ -35,10 +35,8 @@ class SceneCost:
     step_any: int
     collision: Counted
     collision_any: Counted
-    ns: float
+    speed: Speed  # its ratio is to that of `any`
     ns_any: float
-    ratio: float  # of times, in the same rounds
-    ratio_ci: Interval
 
     @property
     def flops_ratio(self) -> float:
@@ -79,7 +77,6 @@ def _cost(bench: Workbench, target: Target, name: str, seconds: float) -> SceneC
     run = bench.tool.time(TimingPlan(cases, kernels, PLAIN, rounds=_ROUNDS, seconds=seconds))
     times = {result.name: result for result in timing_results(run)}
     step, step_any = (candidate.source.counts.flops for candidate in candidates)
-    found = times[name]
     return SceneCost(
         name,
         scene.max_error,
@@ -87,10 +84,8 @@ def _cost(bench: Workbench, target: Target, name: str, seconds: float) -> SceneC
         step_any,
         counted,
         counted_any,
-        found.ns,
+        times[name],
         times[PLAIN].ns,
-        found.ratio,
-        found.ratio_ci,
     )
 
 

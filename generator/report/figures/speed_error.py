@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
 
 from ...choice.candidates import baseline, contest_for, exact_candidates
 from ...choice.cases import TIMING_CASES, TIMING_SEED
@@ -17,7 +18,7 @@ from ...choice.lookup import kernel_for, with_compiler_found
 from ...choice.workbench import Workbench
 from ...errors import KernelError
 from ...evidence.timing.plan import PlannedKernel, TimingPlan
-from ...evidence.timing.ratios import TimingResult, timing_results
+from ...evidence.timing.ratios import Speed, TimingResult, timing_results
 from ...evidence.verification.errors import SLIPS, Array
 from ...registry.names import name_of
 from ...registry.question import Goal
@@ -39,9 +40,8 @@ SLOW_RANDOM = 60  # those that are worst with the most steps before
 Group = Literal["baseline", "euler", "exact", "family"]
 
 
-@dataclass(frozen=True)
-class Point:
-    """A kernel in the picture."""
+class Point(Speed):
+    """A kernel in the picture. Times are of the mixed set."""
 
     group: Group
     kernel: str
@@ -52,14 +52,12 @@ class Point:
     max_slipping_error: float  # the same over the cases whose contact slips to the end
     cases: int  # that the error was taken over
     within_budget: bool  # or no budget to be within
-    ns: float  # mean time for one collision of the mixed set, median over the rounds
-    ratio: float  # to paper-initial in the same round
-    ratio_ci: tuple[float, float]
 
 
-@dataclass(frozen=True)
-class SpeedError:
+class SpeedError(BaseModel):
     """The data of the picture."""
+
+    model_config = ConfigDict(frozen=True)
 
     cpu: str
     target: str
@@ -69,14 +67,12 @@ class SpeedError:
     points: tuple[Point, ...]
 
     def document(self) -> dict[str, Any]:
-        return {"schema": 1, **asdict(self)}
+        return {"schema": 1, **self.model_dump(mode="json")}
 
 
 def speed_error_of(document: dict[str, Any]) -> SpeedError:
-    """The data as `document` gave it. Raises TypeError or KeyError where something is missing."""
-    known = {key: value for key, value in document.items() if key not in ("schema", "points")}
-    points = [{**p, "ratio_ci": tuple(p["ratio_ci"])} for p in document["points"]]
-    return SpeedError(**known, points=tuple(Point(**p) for p in points))
+    """The data as `document` gave it. Raises ValueError where something is missing."""
+    return SpeedError.model_validate(document)
 
 
 @dataclass
@@ -122,7 +118,14 @@ def measure_speed_error(
     found = [_point(entry, times[entry.candidate.name]) for entry in entries]
     versions = {code: compiler.version for code, compiler in bench.compilers.items()}
     points = _ordered(_with_the_chosen(found))
-    return SpeedError(read_host().cpu, target.name, scene, model, versions, points)
+    return SpeedError(
+        cpu=read_host().cpu,
+        target=target.name,
+        scene=scene,
+        model=model,
+        compilers=versions,
+        points=points,
+    )
 
 
 def _entries(
@@ -216,7 +219,6 @@ def _times(bench: Workbench, entries: Sequence[Entry], seconds: float) -> dict[s
 
 def _point(entry: Entry, timing: TimingResult) -> Point:
     stepper = entry.candidate.variant.stepper
-    low, high = timing.ratio_ci
     return Point(
         group=entry.group,
         kernel=entry.candidate.name,
@@ -227,9 +229,7 @@ def _point(entry: Entry, timing: TimingResult) -> Point:
         max_slipping_error=float(f"{entry.slipping_error:.3g}"),
         cases=entry.cases,
         within_budget=entry.within_budget,
-        ns=float(f"{timing.ns:.4g}"),
-        ratio=float(f"{timing.ratio:.4g}"),
-        ratio_ci=(float(f"{low:.4g}"), float(f"{high:.4g}")),
+        **timing.rounded(4),
     )
 
 
@@ -245,7 +245,7 @@ def _with_the_chosen(points: Sequence[Point]) -> list[Point]:
     found = []
     for point in points:
         own = point.group if point.budget is None else "family"
-        found.append(replace(point, group="exact" if point.kernel in chosen else own))
+        found.append(point.model_copy(update={"group": "exact" if point.kernel in chosen else own}))
     return found
 
 
