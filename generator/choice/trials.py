@@ -54,7 +54,7 @@ class Depends(_Part):
     call: Call
     cases: str  # hash of the cases that are verified and timed on, and of what must come out
     rules: str  # hash of the rules of verification
-    bench: str  # hash of what carom_bench is built from
+    bench: str  # hash of the code that times
     baseline: str  # hash of source, compiler and flags of `paper-initial`
     timing: str  # how a trial is timed: rounds and length of a block
     timed: str = ""  # hash of the cases that are timed on alone; records before it have none

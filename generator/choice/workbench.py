@@ -182,7 +182,7 @@ class Workbench:
             call=contest.call,
             cases=key_of(expected.key, timed, timed.shape[1]),
             rules=verification_hash(self.tool.impact.folder),
-            bench=self.tool.executable.name,
+            bench=self.tool.timing,
             timed=key_of(timed, timed.shape[1]),
         )
 

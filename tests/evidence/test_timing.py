@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -11,7 +12,13 @@ import numpy as np
 import pytest
 
 from generator.errors import KernelError
-from generator.evidence.timing.bench_tool import ROOT, BenchTool, Way, build_bench_tool
+from generator.evidence.timing.bench_tool import (
+    ROOT,
+    BenchTool,
+    Way,
+    build_bench_tool,
+    timing_hash,
+)
 from generator.evidence.timing.plan import PlannedKernel, TimingPlan
 from generator.evidence.timing.ratios import (
     Measurement,
@@ -25,6 +32,7 @@ from generator.evidence.timing.rounds import Rounds
 from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
 from generator.impacts.ball_ball.evidence.measure import STICKS, VELOCITIES, errors_of
+from generator.impacts.registry import find_impact
 from tests.support.reference import exact_verdict, load_reference
 
 ORACLE = ROOT / "tests" / "oracle" / "ball_ball"
@@ -92,6 +100,24 @@ def test_checkouts_share_a_cache(tmp_path: Path) -> None:
     told = [subprocess.run([p], capture_output=True, text=True, check=True).stdout for p in built]
     assert tuple(text.strip() for text in told) == says
     assert built[0] == built[2] != built[1]  # the same sources are built once
+
+
+def test_records_stay_those_of_todays_bench_while_only_what_does_not_time_is_edited(
+    tmp_path: Path,
+) -> None:
+    """An oracle, a program's reading and writing, a comment; not so the loop around the calls."""
+    impact, root = find_impact("ball-ball"), tmp_path / "carom"
+    for folder in ("bench", "tests/oracle"):
+        shutil.copytree(ROOT / folder, root / folder)
+    before = timing_hash(impact, root)
+    for name in ("tests/oracle/ball_ball/exact_solver.h", "bench/time_plan.cpp", "bench/main.cpp"):
+        path = root / name
+        path.write_text(f"{path.read_text('utf-8')}\nint more;\n", "utf-8")
+    loop = root / "bench" / "workload.cpp"
+    loop.write_text(f"// A remark.\n\n{loop.read_text('utf-8')}", "utf-8")
+    assert timing_hash(impact, root) == before == timing_hash(impact)
+    loop.write_text(f"{loop.read_text('utf-8')}\nint more;\n", "utf-8")
+    assert timing_hash(impact, root) != before
 
 
 def test_cases_are_seeded_and_parameters_fixed(tool: BenchTool) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -15,8 +14,7 @@ import numpy as np
 from ...emission.environment import templates_folder
 from ...emission.kernel_source import KernelSource
 from ...registry.question import symbol_of
-
-_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+from ..timing.bench_tool import plain_code
 
 SHAPING = ("impacts", "tableaus", "targets", "registry", "lowering", "steppers", "emission")
 
@@ -40,7 +38,7 @@ def source_hash(source: KernelSource) -> str:
     """Hash of a kernel's code: not of comments, of layout or of its own name."""
     texts = []
     for text in (source.header, source.source, source.probe):
-        plain = " ".join(_COMMENT.sub(" ", text).split())
+        plain = plain_code(text)
         plain = plain.replace('" "', "")  # a long name is written as two literals
         for name in (source.source_name, symbol_of(source.source_name)):
             plain = plain.replace(name, "KERNEL")

@@ -56,7 +56,7 @@ class Basis(_Part):
     compiler: str  # first line of --version
     flags: str
     cases: str  # hash of the cases that it was timed on
-    bench: str  # hash of what carom_bench is built from
+    bench: str  # hash of the code that times
     baseline: str  # hash of code, compiler and flags of `paper-initial`
 
     @field_validator("source", "cases", "baseline")

@@ -34,6 +34,8 @@ from .ratios import TimingRun, timing_run
 ROOT = sources()
 BUILD_TIMEOUT = 600.0  # seconds
 RUN_TIMEOUT = 120.0
+TIMES = ("batch", "clock", "core_watch", "kernel_library", "timing", "workload")
+_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _SUFFIXES = (".h", ".cpp", ".txt")
 Method = Literal["exact", "screen", "euler"]
 
@@ -93,6 +95,7 @@ class BenchTool:
 
     executable: Path
     impact: Impact
+    timing: str  # hash of the sources that its timings depend on
 
     @property
     def columns(self) -> Columns:
@@ -226,6 +229,23 @@ def source_hash(impact: Impact, root: Path = ROOT) -> str:
     return digest.hexdigest()[:16]
 
 
+def timing_hash(impact: Impact, root: Path = ROOT) -> str:
+    """A hash of what times: the code around a kernel's calls, without comments and layout.
+
+    Neither oracles nor how cases are made, plans read and results written are in it: what a time
+    depends on of these are the cases, which records name by a hash of their own.
+    """
+    own = root / "bench" / "impacts" / impact.folder / "columns.h"
+    files = [p for name in TIMES for p in (root / "bench").glob(f"{name}.*")]
+    texts = [plain_code(path.read_text("utf-8")) for path in sorted([own, *files]) if path.exists()]
+    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:16]
+
+
+def plain_code(text: str) -> str:
+    """C++ without comments and layout."""
+    return " ".join(_COMMENT.sub(" ", text).split())
+
+
 def _place_hash(root: Path) -> str:
     """Of a checkout's path: CMake ties a build folder to one, and a cache may serve several."""
     return hashlib.sha256(os.fsencode(root.resolve())).hexdigest()[:16]
@@ -269,4 +289,4 @@ def build_bench_tool(cache: Path, root: Path = ROOT, impact: Impact | None = Non
             fresh = cache / f"{program}.{os.getpid()}.tmp"
             shutil.copy2(built, fresh)
             fresh.replace(kept)
-    return BenchTool(kept, impact)
+    return BenchTool(kept, impact, timing_hash(impact, root))
