@@ -58,8 +58,8 @@ class Entrant:
 
 
 @dataclass(frozen=True)
-class Contest:
-    """Variants that answer the same question; fastest first."""
+class ContestTable:
+    """A contest as the page has it: its variants, the fastest first."""
 
     name: str
     goal: str
@@ -121,7 +121,7 @@ def summary_of(trials: Sequence[Trial]) -> dict[str, Any]:
     }
 
 
-def contests_of(trials: Iterable[Trial], finals: Mapping[str, Final]) -> list[Contest]:
+def contests_of(trials: Iterable[Trial], finals: Mapping[str, Final]) -> list[ContestTable]:
     """Every contest with a timed variant: fixed steps first, then the budgets, largest first."""
     by_contest: dict[str, list[Entrant]] = defaultdict(list)
     for (contest, _), trial in latest(trials).items():
@@ -131,19 +131,19 @@ def contests_of(trials: Iterable[Trial], finals: Mapping[str, Final]) -> list[Co
     return sorted(made, key=_order)
 
 
-def _order(contest: Contest) -> tuple[bool, bool, float]:
+def _order(contest: ContestTable) -> tuple[bool, bool, float]:
     budget = 0.0 if contest.family == "euler" else float(contest.goal.removeprefix("E = "))
     return contest.call == "batch", contest.family != "euler", -budget
 
 
-def _contest(name: str, found: list[Entrant], final: Final | None) -> Contest:
+def _contest(name: str, found: list[Entrant], final: Final | None) -> ContestTable:
     contest = found[0].trial.subject.asked.contest
     goal = contest.goal
     euler = goal.steps is not None
     found = sorted(found, key=lambda e: (e.ratio, e.error, e.name))
     if final is not None:
         found = _judged(found, final)
-    return Contest(
+    return ContestTable(
         name=name,
         goal=f"N = {goal.steps}" if euler else f"E = {goal.budget:.0e}",
         call=contest.call,

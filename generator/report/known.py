@@ -11,7 +11,7 @@ from ..choice.trials import Final, Run, Trial
 from ..evidence.records.evidence import Timings
 from ..registry.question import DEFAULT_IMPACT
 from ..sweep.store import read_only
-from .contests import Contest, contests_of
+from .contests import ContestTable, contests_of
 from .findings import Findings, KernelFindings
 
 
@@ -43,7 +43,7 @@ class Known:
         return self.findings.kernels if self.findings else ()
 
     @cached_property
-    def contests(self) -> list[Contest]:
+    def contests(self) -> list[ContestTable]:
         return contests_of(self.stored.trials, self.stored.finals)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ...registry.axes import axis
-from ..contests import MORE_EXACT, Contest, Entrant, summary_of
+from ..contests import MORE_EXACT, ContestTable, Entrant, summary_of
 from ..drawing import COLOURS
 from ..experiments.subjects import BASELINE, BEST, EULER
 from ..known import Known
@@ -89,7 +89,7 @@ def contest_plots(known: Known, points: Sequence[dict[str, Any]]) -> list[Plot]:
 
 
 def _exact(
-    contests: Sequence[tuple[int, Contest]],
+    contests: Sequence[tuple[int, ContestTable]],
     points: Sequence[dict[str, Any]],
     call: str,
     base: float | None,
@@ -124,7 +124,7 @@ def _exact(
     )
 
 
-def _euler(n: int, contest: Contest, base: float | None) -> Scatter:
+def _euler(n: int, contest: ContestTable, base: float | None) -> Scatter:
     """Coloured by how 1/|c| is made."""
     codes = list(axis("rsqrt").codes())
     texts = {choice.code: choice.text for choice in axis("rsqrt").choices}
@@ -153,7 +153,7 @@ def _euler(n: int, contest: Contest, base: float | None) -> Scatter:
     )
 
 
-def _mark(n: int, index: int, contest: Contest, colour: int) -> Mark:
+def _mark(n: int, index: int, contest: ContestTable, colour: int) -> Mark:
     entrant = contest.variants[index]
     subject, (low, high) = entrant.trial.subject, entrant.times.ratio_ci
     shape = _COMPILERS.get(subject.options.get("compiler", ""), ("o", ""))[0]
@@ -191,7 +191,7 @@ def _shapes(entrants: Iterable[Entrant]) -> list[Key]:
     return [Key(shape, None, name) for code, (shape, name) in _COMPILERS.items() if code in used]
 
 
-def _legend(marks: Iterable[Mark], contests: Sequence[Contest]) -> list[Key]:
+def _legend(marks: Iterable[Mark], contests: Sequence[ContestTable]) -> list[Key]:
     """The front, and what there is of chosen marks, ties and their bands."""
     found = [_FRONT]
     found += [_CHOSEN] if any(mark.chosen for mark in marks) else []

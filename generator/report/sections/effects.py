@@ -10,7 +10,7 @@ import numpy as np
 
 from ...evidence.timing.ratios import median_interval
 from ...registry.axes import Axis, axis
-from ..contests import Contest
+from ..contests import ContestTable
 from ..drawing import Note
 from ..plots import Key, Plot, Row, Rows, ratio_rows
 
@@ -19,7 +19,7 @@ FASTER, SLOWER, UNTOLD = 0, 5, 7  # colours
 Effect = dict[str, Any]
 
 
-def effects_of(contests: Iterable[Contest]) -> list[Effect]:
+def effects_of(contests: Iterable[ContestTable]) -> list[Effect]:
     """For each pair of codes of an axis: the ratio of times over variants equal in all else.
 
     Contests of a family are taken together, pairs never cross contests.
@@ -32,7 +32,7 @@ def effects_of(contests: Iterable[Contest]) -> list[Effect]:
     return [_effect(*key, values) for key, values in sorted(ratios.items(), key=_order)]
 
 
-def _pairs(contest: Contest, index: int) -> list[tuple[str, str, float]]:
+def _pairs(contest: ContestTable, index: int) -> list[tuple[str, str, float]]:
     groups: dict[object, dict[str, float]] = defaultdict(dict)
     for v in contest.variants:
         subject, options = v.trial.subject, v.options(contest.axes)
