@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from generator.choice import verifying, workbench
+from generator.choice import verifier, verifying
 from generator.choice.entries import found_errors
 from generator.choice.kernel import Rejected, verdict_of
 from generator.choice.workbench import Workbench
@@ -229,7 +229,7 @@ def test_the_tightest_legal_budget_holds_under_the_worst_estimates(
 
 def _verified(patterns, monkeypatch, tmp_path):
     """A kernel with estimates through the workbench, under the patterns given."""
-    for module in (verifying, workbench):  # what runs, and the key under which it is kept
+    for module in (verifying, verifier):  # what runs, and the key under which it is kept
         monkeypatch.setattr(module, "PATTERNS", patterns)
     target = portable_target()
     compilers = {c.code: c for c in compilers_for(target)}
