@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from generator.evidence.timing.bench_tool import BenchTool, build_bench_tool
 from generator.impacts.ball_cushion.columns import COLUMNS
 from generator.impacts.ball_cushion.row import BALL_CUSHION
 from generator.registry.question import Goal, Question, Width
@@ -16,6 +17,7 @@ from generator.registry.variant import Variant, answered
 from tests.support.kernels import ROOT
 
 DATA = ROOT / "tests" / "data" / "ball_cushion"
+BENCH = ROOT / "build" / "bench-tool"
 FIXED = "fixed"
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 
@@ -32,6 +34,11 @@ def cushion_variant(
     goal = Goal(steps, budget)
     question = Question(BALL_CUSHION.name, target, scene, model, goal, Width())
     return answered(question, stepper, options)
+
+
+def cushion_tool() -> BenchTool:
+    """carom_bench of a ball and a cushion: random cases, and the oracle's answers."""
+    return build_bench_tool(BENCH, impact=BALL_CUSHION)
 
 
 @dataclass(frozen=True)

@@ -154,6 +154,24 @@ TEST(BallCushionOracle, GivesTheReferenceAsPrinted) {
   EXPECT_LE(std::count(free.begin(), free.end(), ' '), 20);
 }
 
+// The paper's Fig. 12: 2 m/s at 45 degrees with side spin 2V/R and top spin 1.5V/R. Read off: .432
+// Ns, slips from 3.03 at the cushion and from 1.00 m/s at the table.
+TEST(BallCushionOracle, GivesTheImpulseOfThePapersFigure12) {
+  const double R = 0.02625, M = 0.1406, into = std::sqrt(2.0);
+  const Params paper{R, M, 0.212, 0.14, 0.98, 1.4 * R};
+  const double ball[6] = {into, into, 0, -1.5 * into / R, 1.5 * into / R, 4 / R};
+  const double normal[2] = {0, 1};
+  const auto got = carom_oracle::cushion::solve_exact(paper, Model::kClamped, ball, normal);
+  Case one{"", paper, {}, {0, 1}};
+  std::copy_n(ball, 6, one.ball);
+  const Start start = start_of(one);
+  std::cout << "P " << M * got.impulse << " Ns, slips from " << start.cushion * largest_speed(one)
+            << " and " << start.table * largest_speed(one) << " m/s\n";
+  EXPECT_NEAR(M * got.impulse, 0.4330, 0.5001e-4);
+  EXPECT_NEAR(start.cushion * largest_speed(one), 3.03, 0.005);
+  EXPECT_NEAR(start.table * largest_speed(one), 1.00, 0.005);
+}
+
 struct Grid {
   const char* file;
   FixedSteps steps;
