@@ -27,11 +27,11 @@ STEPPERS = ("dp54",)  # with an interpolant of one term, on which events are met
 class Control:
     """Constants of the control of steps. Those that are lengths are shares of the error budget."""
 
-    tolerance: float = 0.2  # embedded error of a step
-    zero: float = 0.3  # a slip below it is none
-    landed: float = 0.05  # how near to zero a slip that follows its balance counts as there
-    stray: float = 0.3  # what following the balance may be off, summed, before the slip is stepped
-    join: float = 0.3  # how far off its balance a slip may be for following it
+    tolerance: float = 0.08  # embedded error of a step
+    zero: float = 0.15  # a slip below it is none
+    landed: float = 0.03  # how near to zero a slip that follows its balance counts as there
+    stray: float = 0.1  # what following the balance may be off, summed, before the slip is stepped
+    join: float = 0.1  # how far off its balance a slip may be for following it
     driven: float = 1000.0  # times what a slip strays that the table drives on
     safe: float = 0.85  # share of the next step that the error's order allows
     least_factor: float = 0.15  # of one step to the next
@@ -41,10 +41,11 @@ class Control:
     aside: float = 4.0  # times the slip's angle off the straight way is left, too
     turn_nose: float = 0.6  # angle by which a step may turn the nose's slip
     turn_table: float = 1.0
+    stable: float = 2.0  # of a step in the time in which friction returns a slip to its balance
     near: float = 0.3  # slips below are tried for following their balance
     beyond: float = 1.02  # of the impulse that is left at the present rate, for the last step
     rejected: float = 0.9  # of a step that is refused, at most
-    lift_noise: float = 0.002  # the table's force must pass zero by it, to count as having changed
+    surely: float = 0.002  # an event's quantity must pass zero by it, to count as undone
     met: float = 0.001  # an event's quantity below it is zero
     narrow: float = 1e-13  # part of a step below which a root is not narrowed
     balanced: float = 4e-16  # how far from 1 the length of a direction in balance may be
