@@ -95,7 +95,8 @@ class Cases:
         made = self.tool.make_cases(seed, random, mixed=False)
         reference = load_reference(evidence.reference)
         cases = evidence.cases_for_scene(scene, np.vstack([reference.cases, made.rows]), model)
-        exact = self._oracle(cases, "exact", model, 0, scene.oracle_options)
+        nearest = evidence.exact_models.get(model, model)
+        exact = self._oracle(cases, "exact", nearest, 0, scene.oracle_options)
         euler = published = None
         if steps is not None and scene.fixed_steps:
             euler = self._oracle(cases, "euler", model, steps)
@@ -129,8 +130,12 @@ class Cases:
         evidence, measure = self.evidence, self.evidence.measure
         known = load_hard(evidence.hard_cases, self.impact.columns.case)[1]
         cases = evidence.cases_for_scene(scene, known, model)
+        if not len(cases):
+            width = self.impact.columns.expected_width
+            return HardCases(cases, np.zeros((0, width)), np.zeros(0))
         rows = neighbours(cases, measure)
-        exact = self._oracle(rows, "exact", model, 0, scene.oracle_options)
+        nearest = evidence.exact_models.get(model, model)
+        exact = self._oracle(rows, "exact", nearest, 0, scene.oracle_options)
         steep = np.maximum(moved_by(rows, exact, measure), measure.rounding_of(cases))
         return HardCases(cases, exact[::NEIGHBOURS], steep)
 

@@ -46,6 +46,8 @@ class Evidence:
     fixed_verdict: FixedVerdict
     tolerance: float  # m/s, of a fixed-step kernel against the scheme
     flip_share: float  # of cases in which a fixed-step kernel may differ by a step
+    # The model whose exact result fixed steps of a model come to, where it has none of its own.
+    exact_models: Mapping[str, str] = field(default_factory=dict)
     level: tuple[int, ...] = ()  # columns of a case that rounding must not move
     given: Mapping[str, float] = field(default_factory=dict)  # parameters that no case has
 

@@ -56,7 +56,7 @@ def worst_of(errors: Array, among: Mask) -> int | None:
     return int(rows[np.argmax(errors[rows])]) if len(rows) else None
 
 
-def largest_of(errors: Array, among: Array) -> float:
+def largest_of(errors: Array, among: Mask) -> float:
     """The largest error of those marked in `among`; 0 if there are none."""
     return float(errors[among].max(initial=0.0))
 

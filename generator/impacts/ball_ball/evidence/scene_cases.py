@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from ....evidence.verification.errors import Array
+from ....evidence.verification.scene_ranges import SPREAD, into, move_parameters
+from ..columns import COLUMNS
 from ..columns import V1 as _V1
 from ..columns import V2 as _V2
 from ..columns import W1 as _W1
 from ..columns import W2 as _W2
 from ..models import find_model
 from ..parameters import CASE_M1
-from ..parameters import NAMES as PARAMETERS
 from ..scene import ALCIATORE, Scene
 from ..terms import MASS_RATIOS
 from .measure import relative_speed
 
 _V_Z = (_V1.stop - 1, _V2.stop - 1)
 _INSIDE = 1e-9  # keep as much away from the bounds of a range of speeds, of the bound
-_SPREAD = 7919.0  # a value outside a range goes to a place in it that looks random
 
 
 def cases_for_scene(scene: Scene, rows: Array, model: str | None = None) -> Array:
@@ -29,11 +29,7 @@ def cases_for_scene(scene: Scene, rows: Array, model: str | None = None) -> Arra
     """
     cases = np.array(rows, dtype=np.float64, copy=True)
     _motions(scene, cases)
-    for column, key in enumerate(PARAMETERS):
-        if key in scene.fixed:
-            _set(cases, column, np.full(len(cases), scene.fixed[key]))
-        elif key in scene.ranges:
-            _set(cases, column, _into(cases[:, column], *scene.ranges[key]))
+    move_parameters(cases, COLUMNS, scene)
     if scene.masses_given:
         cases[:, 1] = _spread_masses(cases[:, 1])
     if not scene.table_friction:
@@ -71,24 +67,10 @@ def alciatore(slip: Array) -> Array:
     return a + b * np.exp(-c * slip)
 
 
-def _set(cases: Array, column: int, values: Array) -> None:
-    """Another parameter for every case; another R keeps every R w."""
-    if column == 0:
-        scale = (cases[:, 0] / values)[:, None]
-        for spin in (_W1, _W2):
-            cases[:, spin] *= scale
-    cases[:, column] = values
-
-
-def _into(values: Array, low: float, high: float) -> Array:
-    place = np.abs(values * _SPREAD) % 1.0
-    return np.where((values >= low) & (values <= high), values, low + (high - low) * place)
-
-
 def _spread_masses(values: Array) -> Array:
     """Masses of ball 2 that give every ratio, evenly in its logarithm."""
     low, high = np.log(MASS_RATIOS)
-    place = np.abs(values * _SPREAD) % 1.0
+    place = np.abs(values * SPREAD) % 1.0
     spread: Array = CASE_M1 / np.exp(low + (high - low) * (_INSIDE + (1 - 2 * _INSIDE) * place))
     return spread
 
@@ -110,7 +92,7 @@ def _speeds(scene: Scene, cases: Array) -> None:
     if scene.speed is not None:
         low, high = scene.speed
         speed = relative_speed(cases)
-        wanted = np.clip(_into(speed, low, high), low * (1 + _INSIDE), high * (1 - _INSIDE))
+        wanted = np.clip(into(speed, low, high), low * (1 + _INSIDE), high * (1 - _INSIDE))
         with np.errstate(divide="ignore", invalid="ignore"):
             scale = np.where(speed > 0, wanted / speed, 1.0)[:, None]
         for vector in (_V1, _W1, _V2, _W2):
