@@ -8,6 +8,8 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 
+from .accepts import Accepts
+
 _USED: ContextVar[set[str] | None] = ContextVar("templates of the text under way", default=None)
 
 
@@ -47,5 +49,5 @@ def environment() -> Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
         autoescape=False,  # C++, not HTML
-        extensions=[],
+        extensions=[Accepts],
     )

@@ -15,6 +15,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from ..emission.accepts import Accepts
 from ..emission.environment import templates_folder
 from .drawing import variables
 from .plots import Plot
@@ -58,6 +59,7 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         autoescape=True,
+        extensions=[Accepts],
     )
 
 

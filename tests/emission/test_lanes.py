@@ -2,13 +2,15 @@
 
 import subprocess
 from pathlib import Path
-from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pytest
 
+from generator.emission.context import KernelContext
 from generator.emission.environment import environment
 from generator.lowering import isa
 from generator.lowering.lanes import LaneContext, lane_context
+from generator.steppers.exact.context import ExactContext
 from generator.targets.host import read_host
 from generator.targets.target import Target, target_or_port
 from generator.toolchain.compilers import compilers_for, emulator_for, march_flags
@@ -48,8 +50,8 @@ def _vocabulary(target: str, lanes: LaneContext) -> str:
     names = ("lanes/scalar.j2", "lanes/scalar_more.j2", "exact/scale.j2")
     real = lanes.number.real
     found = (isa.float_estimate if lanes.floats else isa.estimate)(target_or_port(target), 0)
-    x = SimpleNamespace(real=real, table=True, lane_estimate=found.scalar)
-    k = SimpleNamespace(places_fma=lanes.fma)
+    x = Mock(spec=ExactContext, real=real, table=True, lane_estimate=found.scalar)
+    k = Mock(spec=KernelContext, places_fma=lanes.fma)
     parts = [environment().get_template(name).render(x=x, k=k) for name in names]
     return "\n".join(["constexpr std::uint64_t kExponentBits = 0x7ff0000000000000u;", *parts])
 
