@@ -9,8 +9,6 @@ from typing import Any
 from ..choice.lookup import require_runs
 from ..choice.selection import place_of, read_selection
 from ..errors import InputError
-from ..impacts.ball_ball.models import find_model
-from ..impacts.ball_ball.scene import find_scene
 from ..registry.question import DEFAULT_IMPACT, find_impact
 from .bench_rows import BenchRow, bench_rows
 from .session import Session, resolve_target
@@ -48,12 +46,13 @@ def bench(
     run here.
     """
     session = session or Session()
-    find_scene(scene)
+    collides = find_impact(impact)
+    collides.find_scene(scene)
     if model is not None:
-        find_model(model)
+        collides.find_model(model)
     resolved, host = resolve_target(target)
     require_runs(host, resolved)
-    folder = place_of(session.generated, target, scene, find_impact(impact).name)
+    folder = place_of(session.generated, target, scene, impact)
     selection = read_selection(folder)
     if selection is None:
         raise InputError(
@@ -62,7 +61,7 @@ def bench(
     entries = [e for e in selection.kernels if model in (None, e.model)]
     if not entries:
         raise InputError(f"{folder}: no kernel for --model {model}; run ./gen with that --model")
-    with session.workbench() as tools:
+    with session.workbench(impact=collides) as tools:
         rows = bench_rows(tools, resolved, scene, entries, seconds)
         machine = {
             "cpu": host.cpu,

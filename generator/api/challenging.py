@@ -18,9 +18,9 @@ from ..evidence.challenge.kept import keep as keep_cases
 from ..evidence.challenge.search import Limits, Result, Subject, search_all
 from ..evidence.profiling.counting import count_operations
 from ..evidence.verification.errors import Array
-from ..impacts.ball_ball.models import MODELS
 from ..impacts.ball_ball.scene import find_scene
 from ..registry.names import name_of
+from ..registry.question import find_impact
 from ..registry.variant import Variant
 from ..targets.target import find_target
 from .request import Request, kernel_named
@@ -68,7 +68,11 @@ class ChallengeRequest:
         models, budgets, calls = [asked.model], [asked.max_error], [asked.batch]
         if self.everything:
             calls = [False, True]
-            models = [asked.model] if asked.model else [m.name for m in MODELS]
+            models = (
+                [asked.model]
+                if asked.model
+                else [m.name for m in find_impact(asked.impact).model_table()]
+            )
             budgets = [asked.max_error] if asked.max_error else [*_BUDGETS]
         wanted = [
             replace(asked, model=model, max_error=budget, batch=batch).resolved()
@@ -106,7 +110,7 @@ def challenge(
     wanted = asked.kernels(session)
     resolved, host = resolve_target(wanted[0][0].target)
     require_runs(host, resolved)
-    with session.workbench(target=resolved) as bench:
+    with session.workbench(target=resolved, impact=wanted[0][0].question.row) as bench:
         for variant, batch in wanted:
             subject = _subject(bench, variant, batch, asked.extent)
             found = search_all(subject, asked.limits(), asked.seed)

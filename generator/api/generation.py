@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from ..choice.candidates import candidates_of
 from ..choice.choose import Choice
 from ..choice.entries import selected, write_selected
 from ..choice.folder import checked_selection, require_writable
@@ -13,11 +14,10 @@ from ..choice.job import STEPS, Held, hold, hold_batches
 from ..choice.kernel import Estimated, Rejected, Timed, Verified, verdict_of
 from ..choice.selection import Selected, place_of
 from ..choice.workbench import Workbench
-from ..impacts.ball_ball.models import MODELS, find_model
-from ..impacts.ball_ball.scene import find_scene
+from ..errors import InputError
+from ..evidence.verification.evidence import evidence_of
 from ..registry.presets import preset_of
 from ..registry.question import DEFAULT_IMPACT, Contest, Goal, find_impact
-from ..steppers.exact.budgets import plan_for
 from ..targets.host import Host
 from ..targets.target import Target
 from ..toolchain.replay import Modelled
@@ -46,8 +46,21 @@ class GenerateRequest:
     def models(self) -> list[str]:
         """The names of the models. Raises InputError where there is none such."""
         if self.model == "all":
-            return [m.name for m in MODELS]
-        return [find_model(self.model or find_scene(self.scene).model).name]
+            return [model.name for model in find_impact(self.impact).model_table()]
+        impact = find_impact(self.impact)
+        return [impact.find_model(self.model or impact.find_scene(self.scene).model).name]
+
+    def goals(self, model: str) -> list[Goal]:
+        """What is asked of a model: fixed steps, an error budget, or both."""
+        impact = find_impact(self.impact)
+        scene = impact.find_scene(self.scene)
+        budget = self.max_error or scene.max_error
+        candidates_of(impact).tableaus_for(budget)  # is it in range?
+        exact = [Goal(budget=budget)] if model not in evidence_of(impact).exact_models else []
+        steps = [Goal(steps=STEPS)] if self.max_error is None and scene.fixed_steps else []
+        if not (found := [*steps, *exact]):
+            raise InputError(f"--max-error: model {model} has fixed steps alone; leave it out")
+        return found
 
 
 @dataclass(frozen=True)
@@ -198,21 +211,16 @@ def generate(request: GenerateRequest | None = None, session: Session | None = N
     no candidate passed; what was chosen before is then written.
     """
     session, asked = session or Session(), request or GenerateRequest()
-    find_impact(asked.impact)
+    impact = find_impact(asked.impact)
     target, host = resolve_target(asked.target)
-    known, models = find_scene(asked.scene), asked.models()
-    budget = asked.max_error or known.max_error
-    plan_for(budget)
+    goals = {model: asked.goals(model) for model in asked.models()}
     folder = place_of(asked.out or session.generated, asked.target, asked.scene, asked.impact)
     checked_selection(folder)  # what is wrong with it shall be said before the work, not after
     require_writable(folder)
-    goals = [Goal(budget=budget)]
-    if asked.max_error is None and known.fixed_steps:
-        goals.insert(0, Goal(steps=STEPS))
     made: list[Decision] = []
-    with session.workbench(target, asked.fresh) as bench:
-        for model in models:
-            for goal in goals:
+    with session.workbench(target, asked.fresh, impact=impact) as bench:
+        for model in goals:
+            for goal in goals[model]:
                 held = (asked.impact, target.name, asked.scene, model)
                 made += _decided(bench, Contest(*held, goal, "scalar"), host, asked.seconds)
                 write_selected(folder, asked.target, [decision.entry for decision in made])

@@ -10,7 +10,6 @@ from ..choice.job import STEPS
 from ..errors import InputError
 from ..evidence.records.files import read_records, timings_path, union, write_records
 from ..files import require_place
-from ..impacts.ball_ball.models import MODELS, find_model
 from ..impacts.registry import DEFAULT, find_impact
 from ..registry.lane_numbers import widths_for
 from ..steppers.exact.budgets import plan_for
@@ -141,7 +140,9 @@ def refresh(
             f"--cpu {asked.cpu}: this machine is {host.cpu} ({_near(host)}), and a time taken on "
             "another CPU is never the target's; run it on such a machine"
         )
-    names = [find_model(name).name for name in asked.models] or [model.name for model in MODELS]
+    impact = find_impact(DEFAULT)
+    every = [model.name for model in impact.model_table()]
+    names = [impact.find_model(name).name for name in asked.models] or every
     for budget in asked.budgets:
         plan_for(budget)
     if asked.out is not None:

@@ -14,8 +14,6 @@ from ..choice.job import STEPS
 from ..choice.selection import place_of
 from ..choice.trials import Final, Run
 from ..errors import InputError
-from ..impacts.ball_ball.models import find_model
-from ..impacts.ball_ball.scene import find_scene
 from ..registry.lane_numbers import widths_for
 from ..registry.question import CALLS, DEFAULT_IMPACT, Call, Contest, Goal, find_impact
 from ..steppers.exact.budgets import plan_for
@@ -152,10 +150,10 @@ def _begun(
     asked: SweepRequest, session: Session
 ) -> Iterator[tuple[Plan, Lab, ResultStore, Ledger]]:
     """The plan, the machines that do the work, the opened store, and its trials."""
-    find_impact(asked.impact)
+    impact = find_impact(asked.impact)
     target = _target(asked)
-    scene = find_scene(asked.scene)
-    model = find_model(asked.model or scene.model).name
+    scene = impact.find_scene(asked.scene)
+    model = impact.find_model(asked.model or scene.model).name
     contests = _contests(asked, target, model, scene.max_error)
     only = parse_only(asked.only)
     widths = {

@@ -9,8 +9,7 @@ from ..emission.header import emit_header
 from ..emission.kernel_source import KernelSource
 from ..emission.kernel_source import emit as emit_variant
 from ..errors import InputError
-from ..impacts.ball_ball.derivation import LEGEND, Chapter, derivation
-from ..impacts.ball_ball.models import DEFAULT_MODEL, find_model
+from ..impacts.derivation import Chapter, derivation_of
 from ..registry.axes import axis
 from ..registry.names import name_of, source_name_of
 from ..registry.presets import find_preset
@@ -69,16 +68,16 @@ class Explanation:
 def explain(
     kernel: str,
     target: str = "x86-64-v3",
-    model: str = DEFAULT_MODEL,
+    model: str | None = None,
     session: Session | None = None,
 ) -> Explanation:
     """Explain a kernel: its name, options, derivation and operation counts.
 
-    `kernel`: as for `emit`, or a preset, for a `target` and contact `model` then. Raises InputError
-    where there is no such kernel.
+    `kernel`: as for `emit`, or a preset, for a `target` and contact `model` then (None: the default
+    one). Raises InputError where there is no such kernel.
     """
     variant = _find(kernel, target, model, session or Session())
-    source = _source(variant, kernel)
+    source, derived = _source(variant, kernel), derivation_of(variant.question.row)
     meanings = tuple(
         (key, code, next(c.text for c in axis(key).choices if c.code == code))
         for key, code in variant.options
@@ -86,17 +85,18 @@ def explain(
     return Explanation(
         kernel=name_of(variant),
         exact=variant.stepper.family == "exact",
-        legend=LEGEND,
+        legend=derived.LEGEND,
         options=meanings,
-        derivation=derivation(find_model(variant.model)),
+        derivation=derived.derivation(variant.question.row.find_model(variant.model)),
         counts=source.counts.describe(),
         flops=source.counts.flops,
     )
 
 
-def _find(kernel: str, target: str, model: str, session: Session) -> Variant:
+def _find(kernel: str, target: str, model: str | None, session: Session) -> Variant:
     if "/" in kernel:
         return kernel_named(kernel, session)
     find_target(target)
-    find_model(model)
-    return make_variant(target, "any", model, fixed_steps(1000), **find_preset(kernel).options)
+    impact = find_impact(DEFAULT_IMPACT)
+    name = impact.find_model(model or impact.default_model).name
+    return make_variant(target, "any", name, fixed_steps(1000), **find_preset(kernel).options)

@@ -7,15 +7,14 @@ from collections.abc import Sequence
 import click
 
 from .. import api
-from ..impacts.ball_ball.models import DEFAULT_MODEL
 from .show import session
 
 
 @click.command()
 @click.argument("kernel", nargs=-1, required=True, metavar="QUESTION [RECIPE] | PRESET")
 @click.option("--target", default="x86-64-v3", show_default=True, help="for a preset")
-@click.option("--model", default=DEFAULT_MODEL, show_default=True, help="for a preset")
-def explain(kernel: tuple[str, ...], target: str, model: str) -> None:
+@click.option("--model", help="for a preset; default: the first of list models")
+def explain(kernel: tuple[str, ...], target: str, model: str | None) -> None:
     """Explain a kernel: by question and recipe, by its file, or a preset (see list variants)."""
     with session() as told:
         found = api.explain(" ".join(kernel), target, model, told)

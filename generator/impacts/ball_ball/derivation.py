@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-
-import sympy as sp
-
+from ..derivation import Chapter, chapter
 from .contact import slips, velocity_changes
 from .models import ContactModel
 from .reduced import EQUAL_MASSES, recovery, reduced_system
@@ -26,31 +22,19 @@ LEGEND = (
 )
 
 
-@dataclass(frozen=True)
-class Chapter:
-    """Formulas under a title: symbols, and what each is."""
-
-    title: str
-    formulas: tuple[tuple[str, str], ...]
-
-
 def derivation(model: ContactModel) -> tuple[Chapter, ...]:
     """Slips, velocity changes, then for each pressed ball the reduced system and its recovery."""
     terms = model.terms
     changes = [(symbol, change.subs(EQUAL_MASSES)) for symbol, change in velocity_changes().items()]
     chapters = [
-        _chapter("slips, as v + w x r at the contact and table points", "", slips(terms).items()),
-        _chapter("velocities, one increment dq of normal impulse", "d", changes),
+        chapter("slips, as v + w x r at the contact and table points", "", slips(terms).items()),
+        chapter("velocities, one increment dq of normal impulse", "d", changes),
     ]
     for ball in (2, 1):
         system, sums = reduced_system(terms, ball).changes, recovery(terms, ball).sums
         title = f"impulse sums from the changes of the slips, ball {ball} pressed"
         chapters += [
-            _chapter(f"reduced system with ball {ball} pressed", "d", system.items()),
-            _chapter(title, "sum ", sums.items()),
+            chapter(f"reduced system with ball {ball} pressed", "d", system.items()),
+            chapter(title, "sum ", sums.items()),
         ]
     return tuple(chapters)
-
-
-def _chapter(title: str, mark: str, formulas: Iterable[tuple[sp.Symbol, sp.Expr]]) -> Chapter:
-    return Chapter(title, tuple((f"{mark}{symbol}", str(form)) for symbol, form in formulas))

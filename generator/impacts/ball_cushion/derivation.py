@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import sympy as sp
 
+from ..derivation import Chapter
 from . import symbols as s
 from .contact import slips, table_force, velocity_rates, work_rate
 from .models import ContactModel
@@ -25,14 +25,6 @@ LEGEND = (
     ("W", "work of the normal impulse at the nose, divided by the mass, m^2/s^2"),
     ("dX", "the change of X over the collision"),
 )
-
-
-@dataclass(frozen=True)
-class Chapter:
-    """Formulas under a title: symbols, and what each is."""
-
-    title: str
-    formulas: tuple[tuple[str, str], ...]
 
 
 def derivation(model: ContactModel) -> tuple[Chapter, ...]:
