@@ -14,9 +14,10 @@ from pathlib import Path
 import pytest
 from filelock import FileLock
 
-from tests.support.installed import BUILD, ROOT, run, wheel
+from tests.support.installed import BUILD, ROOT, run, site, wheel
 
 TESTS = ROOT / "tests" / "pooltool"
+OTHER = "0.5.0"  # the other release that carom.pooltool is for
 REQUIREMENTS = TESTS / "requirements.txt"
 
 
@@ -43,18 +44,75 @@ def environment() -> Path:
     return folder / "bin" / "python"
 
 
-def pytest_there(*arguments: object) -> str:
-    """Run pytest in that environment; what it prints."""
+@cache
+def other_release() -> Path:
+    """A folder with the older release alone; a skip that says why where it cannot be had."""
+    python = environment()
+    folder = BUILD / f"pooltool-{OTHER}"
+    with FileLock(BUILD / "pooltool.lock"):
+        if not folder.is_dir():
+            command = [python, "-m", "pip", "install", "-q", "--no-input", "--no-deps", "--target"]
+            try:
+                run([*command, folder, f"pooltool-billiards=={OTHER}"], timeout=200)
+            except (AssertionError, subprocess.TimeoutExpired) as error:
+                shutil.rmtree(folder, ignore_errors=True)
+                pytest.skip(f"pooltool {OTHER} cannot be installed here: {error}")
+    return folder
+
+
+def head() -> Path:
+    """A checkout of the development head, which no registry has."""
+    if source := os.environ.get("CAROM_POOLTOOL_HEAD"):
+        return Path(source)
+    pytest.skip("CAROM_POOLTOOL_HEAD names no checkout of pooltool's development head")
+
+
+RELEASES = {"0.6.0": lambda: TESTS, OTHER: other_release, "head": head}
+
+
+def pytest_there(*arguments: object, before: Path = TESTS) -> str:
+    """Run pytest in that environment, with a folder before its packages; what it prints.
+
+    Each release has a home of its own: what one keeps there another cannot read.
+    """
+    home = BUILD / f"home-{before.name}"
+    home.mkdir(parents=True, exist_ok=True)
     command = [environment(), "-m", "pytest", "-q", "-s", "-p", "no:cacheprovider", *arguments]
-    text = run(command, PYTHONPATH=str(TESTS), PYTHONDONTWRITEBYTECODE="")
+    text = run(command, PYTHONPATH=f"{before}:{TESTS}", HOME=str(home), PYTHONDONTWRITEBYTECODE="")
     print(text)
     return text
 
 
+@pytest.mark.parametrize("release", RELEASES)
 @pytest.mark.parametrize("name", sorted(path.name for path in TESTS.glob("test_*.py")))
-def test_with_the_real_pooltool(name) -> None:
-    text = pytest_there("--rootdir", TESTS, "--confcutdir", TESTS, TESTS / name)
+def test_with_the_real_pooltool(name, release) -> None:
+    text = pytest_there(
+        "--rootdir", TESTS, "--confcutdir", TESTS, TESTS / name, before=RELEASES[release]()
+    )
     assert re.search(r"\d+ passed", text)
+
+
+UNFIT = """
+import importlib.metadata, sys
+known = importlib.metadata.version
+def version(name):
+    if name == "pooltool-billiards" and sys.argv[1] == "none":
+        raise importlib.metadata.PackageNotFoundError(name)
+    return sys.argv[1] if name == "pooltool-billiards" else known(name)
+importlib.metadata.version = version
+sys.modules["pooltool"] = None
+try:
+    import carom.pooltool
+except ImportError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("release", ["0.4.4", "0.7.0", "none"])
+def test_another_release_is_refused_with_the_range(release: str) -> None:
+    told = run([sys.executable, "-P", "-c", UNFIT, release], PYTHONPATH=str(site())).strip()
+    print(told)
+    assert f"expected pooltool-billiards from 0.5.0 to 0.6.x; there is {release}" in told
 
 
 def test_its_own_ball_ball_tests_pass_with_our_class() -> None:

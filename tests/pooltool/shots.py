@@ -5,8 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import pooltool
 import pooltool.constants as const
 from pooltool.objects.ball.datatypes import Ball
+
+
+def new_engine():  # type: ignore[no-untyped-def]
+    """pooltool's engine, which has another name and place after 0.6.0."""
+    made = getattr(pooltool.evolution, "SimulationEngine", None)
+    return made() if made else pooltool.physics.PhysicsEngine()
 
 
 def touching(angle: float) -> tuple[Ball, Ball]:

@@ -10,6 +10,7 @@ import pooltool as pt
 import pooltool.constants as const
 from pooltool.events import EventType
 from pooltool.physics.resolve.ball_ball.frictional_mathavan import FrictionalMathavan as Theirs
+from shots import new_engine
 
 from carom.pooltool import FrictionalMathavan as Ours
 
@@ -35,7 +36,7 @@ def break_with(resolver) -> Break:  # type: ignore[no-untyped-def]
     balls = pt.get_rack(pt.GameType.NINEBALL, table, spacing_factor=1e-3)
     system = pt.System(table=table, balls=balls, cue=pt.Cue(cue_ball_id="cue"))
     system.strike(V0=8, phi=pt.aim.at_ball(system, "1"))
-    engine = pt.physics.PhysicsEngine()
+    engine = new_engine()
     engine.resolver.ball_ball = resolver
     pt.simulate(system, engine=engine, inplace=True)
     at_rest = (const.stationary, const.pocketed)

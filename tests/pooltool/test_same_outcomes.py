@@ -191,8 +191,6 @@ def test_parameters_out_of_range_are_refused(key, value) -> None:
 
 def test_refusals_name_the_cure() -> None:
     cue, ball = shot(0.0, 0.0, 1.0, (0.0, 0.0, 0.0))
-    with pytest.raises(ValueError, match="there are mathavan2014, bottom_slip, pooltool"):
-        Ours(contact_model="billiards").solve(cue, ball)
     tilted = ball.copy()
     tilted.state.rvw[0, 2] += 0.01
     with pytest.raises(ValueError, match="contact_model='pooltool' accepts that"):
@@ -200,3 +198,16 @@ def test_refusals_name_the_cure() -> None:
     cue.state.rvw[1, 0] = np.nan
     with pytest.raises(ValueError, match="not finite"):
         Ours().solve(cue, ball)
+
+
+def test_what_no_kernel_has_is_refused_when_made_and_when_set() -> None:
+    names = "model 'billiards': there is none; there are mathavan2014, bottom_slip, pooltool"
+    with pytest.raises(ValueError, match=names):
+        Ours(contact_model="billiards")
+    with pytest.raises(ValueError, match="max_error 1e-12: no kernel is as exact"):
+        Ours(max_error=1e-12)
+    with pytest.raises(ValueError, match="steps: expected 1 to 100000000; 0 came"):
+        Ours(num_iterations=0)
+    resolver = Ours()
+    with pytest.raises(ValueError, match=names):
+        resolver.contact_model = "billiards"
