@@ -5,6 +5,14 @@ set(CAROM_KERNEL_TARGETS "" CACHE STRING "CPUs to have kernels for, best first: 
 set(CAROM_KERNEL_MODELS "" CACHE STRING "contact models: mathavan2014,bottom_slip,pooltool")
 set(CAROM_KERNEL_GOALS "" CACHE STRING "fixed steps and budgets: n1000,e1m03,e1m06,e1m09")
 
+# Ends where the preset's Python is not there yet, as in a fresh clone.
+function(carom_require_generator)
+  if(Python_EXECUTABLE AND NOT EXISTS "${Python_EXECUTABLE}")
+    message(FATAL_ERROR "${Python_EXECUTABLE} is not there: run ./gen list targets once, which makes "
+      ".venv with the generator's packages, then this command again")
+  endif()
+endfunction()
+
 function(carom_kernel_set sources_out folder_out)
   file(GLOB_RECURSE inputs CONFIGURE_DEPENDS
     ${PROJECT_SOURCE_DIR}/generator/*.py ${PROJECT_SOURCE_DIR}/generator/*.toml
@@ -30,7 +38,7 @@ function(carom_kernel_set sources_out folder_out)
     RESULT_VARIABLE failed)
   if(failed)
     message(FATAL_ERROR "${Python_EXECUTABLE} -m generator.clients has failed; where a package is missing, "
-      "run ./gen --update once: it makes .venv with all of them")
+      "run ./gen list targets once, which makes .venv with all of them")
   endif()
   file(GLOB sources ${folder}/*.cpp)
   set(${sources_out} ${sources} PARENT_SCOPE)

@@ -11,6 +11,7 @@
 export const Status = Object.freeze({OK: 0, SEPARATING: 1, BAD_INPUT: 2, TILTED: 3});
 
 const PARAMETERS = ["R", "M", "u_s1", "u_s2", "u_b", "e_b"];
+const OPTIONS = ["model", "maxError", "steps"];
 const INPUTS = 18, OUTPUTS = 12, MOST_STEPS = 100000000;
 
 /** The module from the bytes of carom.wasm (ArrayBuffer, typed array) or a WebAssembly.Module. */
@@ -40,9 +41,12 @@ class Carom {
 
   /**
    * The fastest kernel that keeps maxError, relative to the balls' relative speed (default 1e-6); or
-   * with `steps`, pooltool's fixed-step scheme with that N. Throws RangeError naming what there is.
+   * with `steps`, pooltool's fixed-step scheme with that N. Throws RangeError naming what there is, also
+   * for an option that is none.
    */
-  kernel({model = "mathavan2014", maxError, steps} = {}) {
+  kernel(options = {}) {
+    requireOptions(options);
+    const {model = "mathavan2014", maxError, steps} = options;
     const rows = this.rows.filter((row) => row.model === model);
     if (rows.length === 0) {
       throw new RangeError(`model '${model}': there is none; there are ${this.models.join(", ")}`);
@@ -82,7 +86,9 @@ class Kernel {
 
   /** One collision: {ball1, ball2, status}. What comes in is left as it is. */
   collide(parameters, ball1, ball2) {
-    if (ball1.length !== 9 || ball2.length !== 9) throw new RangeError("a ball is 9 numbers");
+    for (const [name, ball] of Object.entries({ball1, ball2})) {
+      if (ball?.length !== 9) throw new RangeError(`${name}: expected 9 numbers; ${came(ball)} came`);
+    }
     const {at, numbers} = this.#room(PARAMETERS.length + INPUTS, 0);
     this.#write(numbers, parameters);
     numbers.set(ball1, PARAMETERS.length);
@@ -100,7 +106,9 @@ class Kernel {
    */
   collideBatch(parameters, columns) {
     const n = columns.length / INPUTS;
-    if (!Number.isInteger(n)) throw new RangeError("columns: expected 18 numbers a collision");
+    if (!Number.isInteger(n)) {
+      throw new RangeError(`columns: expected 18 numbers a collision; ${came(columns)} came`);
+    }
     if (this.steps !== undefined && this.steps !== 1000) {
       throw new RangeError("steps: batches are of N = 1000");
     }
@@ -131,9 +139,25 @@ class Kernel {
   #write(numbers, parameters) {
     PARAMETERS.forEach((name, index) => {
       const value = parameters[name];
-      if (typeof value !== "number") throw new TypeError(`parameter ${name}: expected a number`);
+      if (typeof value !== "number") {
+        throw new TypeError(`parameter ${name}: expected a number; ${came(value)} came`);
+      }
       numbers[index] = value;
     });
+  }
+}
+
+function came(value) {
+  return value?.length === undefined ? typeof value : `${value.length} numbers`;
+}
+
+function requireOptions(options) {
+  if (options === null || typeof options !== "object") {
+    throw new TypeError(`options: expected an object; ${came(options)} came`);
+  }
+  const stranger = Object.keys(options).find((name) => !OPTIONS.includes(name));
+  if (stranger !== undefined) {
+    throw new RangeError(`option '${stranger}': there is none; there are ${OPTIONS.join(", ")}`);
   }
 }
 

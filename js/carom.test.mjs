@@ -119,3 +119,26 @@ test("what is wrong is named", () => {
   assert.equal(still.status, Status.BAD_INPUT);
   assert.ok(Number.isNaN(still.ball1[3]) && still.ball2.every((x, i) => x === ball2[i]));
 });
+
+test("options that are none are refused, and errors say what came", () => {
+  const {parameters, ball1, ball2} = cases[0];
+  const kernel = carom.kernel();
+  const refused = [
+    [() => carom.kernel({max_error: 1e-6}), /option 'max_error'.*there are model, maxError, steps/],
+    [() => carom.kernel("pooltool"), /options: expected an object/],
+    [() => kernel.collide({R: 1}, ball1, ball2), /parameter M: expected a number; undefined came/],
+    [() => kernel.collide(parameters, ball1.slice(1), ball2), /ball1: expected 9 numbers; 8 numbers/],
+    [() => kernel.collideBatch(parameters, new Float64Array(19)), /columns: .*; 19 numbers came/],
+  ];
+  for (const [call, message] of refused) assert.throws(call, {message});
+});
+
+test("package.json names the files that there are and the generator's version", () => {
+  const folder = new URL("js/", root);
+  const known = JSON.parse(readFileSync(new URL("package.json", folder), "utf8"));
+  for (const name of known.files.filter((each) => each !== "carom.wasm")) {
+    assert.ok(readFileSync(new URL(name, folder), "utf8").length > 0);
+  }
+  const source = readFileSync(new URL("generator/__init__.py", root), "utf8");
+  assert.equal(known.version, /__version__ = "(.*)"/.exec(source)[1]);
+});

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -256,3 +257,53 @@ def test_other_architectures_build_and_run_from_the_same_folder(names, tmp_path,
         print(told)
         assert "0 failures" in told and "33 cases" in told
         assert (arm in told) == bool(runner)
+
+
+def test_the_typed_header_says_that_it_needs_cpp17(folder: Path, tmp_path: Path) -> None:
+    """In the first line that a compiler prints; carom.h serves an older standard."""
+    program_14 = tmp_path / "old.cpp"
+    compiler = shutil.which("clang++-14") or PAIRS[0][0]
+    command = [compiler, "-std=c++14", "-fsyntax-only", "-I", folder, program_14]
+    program_14.write_text('#include "carom.h"\nint main() { return CAROM_OK; }\n')
+    ran(command)
+    program_14.write_text('#include "carom.hpp"\nint main() {}\n')
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    first = next(line for line in done.stderr.splitlines() if "error" in line)
+    print(first)
+    assert done.returncode and "carom.hpp needs C++17: compile with -std=c++17" in first
+
+
+@pytest.mark.parametrize("way", ["add_subdirectory", "find_package"])
+def test_cmake_carries_cpp17_to_cpp_consumers_and_asks_c_ones_for_nothing(
+    folder: Path, tmp_path: Path, way: str
+) -> None:
+    """The standard of a program that names none, whatever its compiler takes by default."""
+    if way == "find_package":
+        build = tmp_path / "carom"
+        ran(["cmake", "-S", folder, "-B", build, "-DCAROM_BUILD_SELFTEST=OFF"])
+        ran(["cmake", "--build", build])
+        ran(["cmake", "--install", build, "--prefix", tmp_path / "place"])
+        found = f'find_package(carom REQUIRED PATHS "{tmp_path / "place"}")'
+    else:
+        found = f'add_subdirectory("{folder}" carom)'
+    for language, suffix, include in (("C", "c", "carom.h"), ("CXX", "cpp", "carom.hpp")):
+        source = tmp_path / f"{way}-{language}"
+        source.mkdir()
+        (source / f"main.{suffix}").write_text(
+            f'#include "{include}"\nint main(void) {{ return 0; }}\n'
+        )
+        lines = [
+            "cmake_minimum_required(VERSION 3.16)",
+            f"project(app {language})",
+            found,
+            f"add_executable(app main.{suffix})",
+            "target_link_libraries(app PRIVATE carom::carom)",
+            "get_target_property(asked carom::carom INTERFACE_COMPILE_FEATURES)",
+            'message(STATUS "asked: ${asked}")',
+        ]
+        (source / "CMakeLists.txt").write_text("\n".join(lines) + "\n")
+        told = ran(["cmake", "-S", source, "-B", source / "build"]).stdout
+        asked = next(line for line in told.splitlines() if "asked: " in line)
+        print(f"{way}, {language}: {asked}")
+        assert ("cxx_std_17" in asked) == (language == "CXX")
+        ran(["cmake", "--build", source / "build", "--target", "app"])
