@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 import threading
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
@@ -100,7 +101,7 @@ import numpy as np
 kernel = carom.Kernel("mathavan2014")
 ball1, ball2 = np.zeros((3, 3)), np.zeros((3, 3))
 ball1[1, 1], ball2[0, 1] = 2.0, 0.057
-print(kernel.target, kernel.collide(carom.Parameters(), ball1, ball2)[2])
+print(kernel.target, int(kernel.collide(carom.Parameters(), ball1, ball2)[2]))
 """
 
 
@@ -416,6 +417,17 @@ def test_the_example_runs(tmp_path) -> None:
     print(text)
     angles = [float(line.split()[1]) for line in text.splitlines()[2:]]
     assert len(angles) == 8 and all(79 < angle < 90 for angle in angles)
+
+
+def test_a_shot_is_searched_among_a_hundred_thousand_aims(tmp_path) -> None:
+    """The picture has its marks, and the best plan works nearly always."""
+    example, drawn = ROOT / "examples" / "python" / "shot_search.py", tmp_path / "shot_search.svg"
+    text = run([sys.executable, "-P", example, drawn], PYTHONPATH=str(site()))
+    print(text)
+    assert text.startswith("102400 aims, 1638400 collisions in ")
+    assert int(text.split()[-1].removesuffix("%")) >= 90
+    marks = ET.parse(drawn).getroot().findall("{http://www.w3.org/2000/svg}rect")
+    assert len(marks) > 200
 
 
 # ---- gen, from anywhere ----------------------------------------------------------------------
