@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..choice.candidates import baseline
-from ..choice.job import ROUNDS
-from ..choice.kernel import Built, Emitted, Rejected, Timed, Verified, verdict_of
+from ..choice.kernel import Emitted, Rejected, Timed, Verified, verdict_of
 from ..choice.lookup import with_compiler_found
 from ..choice.modelling import frame_bound, lanes_in_flight, loop_report
 from ..choice.selection import Selected
-from ..choice.workbench import TimingJob, Workbench
-from ..errors import KernelError
+from ..choice.timing import job_of, timed_together
+from ..choice.workbench import Workbench
 from ..evidence.profiling.passes import steps_a_collision
-from ..evidence.timing.ratios import TimingResult, timing_results, timing_run
+from ..evidence.timing.ratios import TimingResult
 from ..evidence.verification.errors import Array
 from ..impacts.ball_ball.scene import find_scene
 from ..targets.target import Target
@@ -132,19 +131,12 @@ def _timed(
     Those with lanes where there are any, beside the single ones; else the single ones.
     """
     asked = wide or single
-    if all(isinstance(kernel, Rejected) for kernel in asked):
-        return [k for k in asked if isinstance(k, Rejected)], None
-    first = single[0].emitted
-    if not isinstance(first, Built):
-        raise KernelError(f"{first.name}: not built")
-    passed = [k for k in (*single, *wide) if not isinstance(k, Rejected)]
-    unique = {k.name: k for k in (first, *passed)}
-    job = TimingJob(tuple(unique.values()), ROUNDS, seconds, latency=True)
-    tools.progress(f"timing {len(unique)} kernels for {seconds:.0f} s", 0, 1)
-    run = timing_run(tools.time(job))
-    results = {result.name: result for result in timing_results(run)}
-    timed = [k if isinstance(k, Rejected) else k.timed(results[k.name]) for k in asked]
-    return timed, run.core_ghz
+    rejected = [k for k in asked if isinstance(k, Rejected)]
+    if len(rejected) == len(asked):
+        return list(rejected), None
+    job = job_of([*single, *wide], seconds)
+    made = timed_together(tools.time, job, tools.progress)
+    return made.told(asked), made.rounds.whole.core_ghz
 
 
 def _batch_row(

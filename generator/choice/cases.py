@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from threading import RLock
 
 import numpy as np
@@ -69,8 +69,8 @@ class Cases:
         with self._lock:
             if key not in self._expected:
                 self.progress("computing expected results", 0, 1)
-                made = self._made(self.impact.find_scene(scene), model, steps, seed, random)
-                self._expected[key] = made if self.every == 1 else thinned(made, self.every)
+                known = self.impact.find_scene(scene)
+                self._expected[key] = self._made(known, model, steps, seed, random)
                 self.progress("computing expected results", 1, 1)
             return self._expected[key]
 
@@ -91,10 +91,12 @@ class Cases:
     def _made(
         self, scene: BaseScene, model: str, steps: int | None, seed: int, random: int
     ) -> Expected:
-        evidence = self.evidence
+        evidence, some = self.evidence, slice(None, None, self.every)
         made = self.tool.make_cases(seed, random, mixed=False)
         reference = load_reference(evidence.reference)
-        cases = evidence.cases_for_scene(scene, np.vstack([reference.cases, made.rows]), model)
+        known = reference.cases[some]
+        cases = np.vstack([known, made.rows[some]])
+        cases = evidence.cases_for_scene(scene, cases, model)
         nearest = evidence.exact_models.get(model, model)
         exact = self._oracle(cases, "exact", nearest, 0, scene.oracle_options)
         euler = published = None
@@ -102,14 +104,15 @@ class Cases:
             euler = self._oracle(cases, "euler", model, steps)
         if scene.unrestricted and steps is not None:
             published = reference.published.get((model, steps))
-        hard = self._hard(scene, model)
-        kept = load_hard(evidence.hard_cases, self.impact.columns.case)[0]
+            published = None if published is None else published[some]
+        kept, rows = load_hard(evidence.hard_cases, self.impact.columns.case)
+        hard = self._hard(scene, model, rows[some])
         named = zip(reference.ids, reference.kinds, strict=True)
         adapted = "reference" if scene.unrestricted else "adapted"
         labels = (
-            *(f"{adapted} {i} ({kind})" for i, kind in named),
-            *(f"random {i} ({kind})" for i, kind in enumerate(made.kinds)),
-            *(f"hard {i} ({kind})" for i, kind in enumerate(kept)),
+            *[f"{adapted} {i} ({kind})" for i, kind in named][some],
+            *[f"random {i} ({kind})" for i, kind in enumerate(made.kinds)][some],
+            *[f"hard {i} ({kind})" for i, kind in enumerate(kept)][some],
         )
         every = (cases, exact, euler, published, hard.cases, hard.exact, hard.steep)
         return Expected(
@@ -117,7 +120,7 @@ class Cases:
             cases=cases,
             exact=exact,
             euler=euler,
-            reference_rows=len(reference.cases) if scene.unrestricted else 0,
+            reference_rows=len(known) if scene.unrestricted else 0,
             seed=seed,
             labels=labels,
             pooltool=published,
@@ -125,11 +128,10 @@ class Cases:
             hard=hard,
         )
 
-    def _hard(self, scene: BaseScene, model: str) -> HardCases:
+    def _hard(self, scene: BaseScene, model: str, kept: Array) -> HardCases:
         """The kept hard cases in a scene, each with its neighbours asked for too."""
         evidence, measure = self.evidence, self.evidence.measure
-        known = load_hard(evidence.hard_cases, self.impact.columns.case)[1]
-        cases = evidence.cases_for_scene(scene, known, model)
+        cases = evidence.cases_for_scene(scene, kept, model)
         if not len(cases):
             width = self.impact.columns.expected_width
             return HardCases(cases, np.zeros((0, width)), np.zeros(0))
@@ -149,21 +151,3 @@ class Cases:
             self.impact.columns.expected_width,
             lambda: self.tool.expect(cases, method, model, steps or 1, more),
         )
-
-
-def thinned(expected: Expected, every: int) -> Expected:
-    """Every so-manieth of the cases."""
-    rows = slice(None, None, every)
-    labels, usual = expected.labels, len(expected.cases)
-    euler, pooltool, hard = expected.euler, expected.pooltool, expected.hard
-    return replace(
-        expected,
-        cases=expected.cases[rows],
-        exact=expected.exact[rows],
-        euler=None if euler is None else euler[rows],
-        pooltool=None if pooltool is None else pooltool[rows],
-        reference_rows=len(range(0, expected.reference_rows, every)),
-        hard=HardCases(hard.cases[rows], hard.exact[rows], hard.steep[rows]),
-        labels=(*labels[:usual][rows], *labels[usual:][rows]),
-        key=f"{expected.key}, every {every}th",
-    )

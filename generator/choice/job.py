@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..errors import KernelError
-from ..evidence.timing.ratios import timing_results
 from ..registry.names import name_of
 from ..registry.question import Contest
 from ..registry.rules import broken_rule
@@ -16,16 +14,15 @@ from ..targets.host import Host
 from ..targets.target import find_target
 from .candidates import baseline
 from .choose import Choice, choose_by_time
-from .kernel import Built, Rejected, Verified
+from .kernel import Rejected, Verified
 from .recorded import choose_elsewhere
 from .seeds import recorded_of, seeds_of
 from .sought import Entries, choose_sought
-from .timing import PROCESSES, Together, timed_together
+from .timing import Together, job_of, timed_together
 from .trials import job_key
 from .workbench import TimingJob, Workbench
 
 STEPS = 1000
-ROUNDS = 1000  # at most, in each process; the seconds end a timing before
 
 
 @dataclass(frozen=True)
@@ -96,49 +93,30 @@ def _judged(
     `among`: the number of the first kernel that may be chosen.
     """
     if host.is_a(find_target(contest.target)):
-        made = _timed(bench, contest, host, kernels, seconds)
-        rounds, ended = made.rounds, {rejected.name: rejected for rejected in made.ended}
-        results = {result.name: result for result in timing_results(rounds.whole)}
-        timed = [
-            k if isinstance(k, Rejected) else ended.get(k.name) or k.timed(results[k.name])
-            for k in kernels
-        ]
+        made = _timed(bench, contest, host, job_of(kernels, seconds))
         return choose_sought(
-            bench, timed, lambda some: (some, choose_by_time(some[among:], rounds, host))
+            bench,
+            made.told(kernels),
+            lambda some: (some, choose_by_time(some[among:], made.rounds, host)),
         )
-
     return choose_sought(bench, kernels, lambda some: choose_elsewhere(bench, contest, some, among))
 
 
-def _timed(
-    bench: Workbench,
-    contest: Contest,
-    host: Host,
-    kernels: Sequence[Verified | Rejected],
-    seconds: float,
-) -> Together:
-    """All that passed and the baseline, interleaved; or as it was kept."""
-    passed = [k for k in kernels if not isinstance(k, Rejected)]
-    first = kernels[0].emitted
-    if not passed or not isinstance(first, Built):
-        reasons = sorted({k.text for k in kernels if isinstance(k, Rejected)})
-        raise KernelError(f"no candidate passed verification: {'; '.join(reasons[:3])}")
-    unique = {k.name: k for k in [first, *passed]}
-    job = TimingJob(tuple(unique.values()), ROUNDS, seconds / PROCESSES, latency=True)
+def _timed(bench: Workbench, contest: Contest, host: Host, job: TimingJob) -> Together:
+    """The kernels of a job, interleaved; or as it was kept."""
     rules = bench.rules(contest, f"{host.target.name}, {host.cpu}")
     depends = [
-        rules.depends(k.code, k.variant.question.goal, first.code, f"{seconds:g} s")
-        for k in unique.values()
+        rules.depends(k.code, k.variant.question.goal, job.baseline.code, f"{job.seconds:g} s")
+        for k in job.kernels
     ]
-    what = f"timing {len(unique)} kernels for {seconds:.0f} s"
 
     def make() -> dict[str, Any]:
-        made = timed_together(bench.time, job, lambda _, n: bench.progress(what, n - 1, PROCESSES))
+        made = timed_together(bench.time, job, bench.progress)
         ended = {rejected.name: [rejected.reason, rejected.text] for rejected in made.ended}
         return {"processes": made.processes, "ended": ended}
 
-    key = job_key(["main job", list(unique)], depends)
-    kept = bench.store.kept("timings", key, make)
-    bench.progress("timing", PROCESSES, PROCESSES)
-    ended = tuple(Rejected(unique[name], *why) for name, why in kept["ended"].items())
+    names = {kernel.name: kernel for kernel in job.kernels}
+    kept = bench.store.kept("timings", job_key(["main job", list(names)], depends), make)
+    bench.progress("timing", 1, 1)
+    ended = tuple(Rejected(names[name], *why) for name, why in kept["ended"].items())
     return Together(tuple(kept["processes"]), ended)

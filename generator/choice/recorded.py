@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..errors import KernelError
-from ..evidence.records.record import Basis
 from ..registry.question import Contest
 from ..targets.target import find_target
 from ..toolchain.replay import Modelled
@@ -68,15 +67,7 @@ def noted(bench: Workbench, contest: Contest, kernels: Sequence[Verified | Rejec
             continue
         found = None
         if timed:
-            code = kernel.code
-            now = Basis(
-                source=code.source,
-                compiler=code.compiler,
-                flags=" ".join(code.flags),
-                cases=rules.timed,
-                bench=rules.bench,
-                baseline=kernels[0].emitted.code.hash,
-            )
+            now = rules.depends(kernel.code, contest.goal, kernels[0].emitted.code)
             found = bench.timings.find(contest.target, kernel.variant, now)
         weighed.append(kernel.estimated(found, None))
     return weighed

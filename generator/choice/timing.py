@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from ..errors import KernelCrash, KernelError, KernelTimeout
+from ..evidence.timing.ratios import timing_results
 from ..evidence.timing.rounds import Rounds
-from .kernel import Emitted, Reason, Rejected, Verified
+from .cases import Progress
+from .kernel import Built, Emitted, Reason, Rejected, Timed, Verified
 from .ties import Standing
 from .workbench import TimingJob
 
 PROCESSES = 6  # the range of six covers the median in 97 of 100
+ROUNDS = 1000  # at most, in each; the seconds end a timing before
 
 Time = Callable[[TimingJob], dict[str, Any]]  # what carom_bench writes; KernelError where it ends
 
@@ -24,15 +28,35 @@ class Together:
     processes: tuple[dict[str, Any], ...]
     ended: tuple[Rejected, ...] = ()
 
-    @property
+    @cached_property
     def rounds(self) -> Rounds:
         return Rounds.of(self.processes)
 
+    def told(self, kernels: Sequence[Verified | Rejected]) -> list[Timed | Rejected]:
+        """Kernels of the job with their times; what ended it is rejected."""
+        results = {result.name: result for result in timing_results(self.rounds.whole)}
+        ended = {rejected.name: rejected for rejected in self.ended}
+        return [
+            k if isinstance(k, Rejected) else ended.get(k.name) or k.timed(results[k.name])
+            for k in kernels
+        ]
 
-def timed_together(time: Time, job: TimingJob, tell: Callable[[int, int], None]) -> Together:
+
+def job_of(kernels: Sequence[Verified | Rejected], seconds: float) -> TimingJob:
+    """All that passed and the first, the baseline, each once. KernelError where nothing is left."""
+    passed = [k for k in kernels if not isinstance(k, Rejected)]
+    first = kernels[0].emitted
+    if not passed or not isinstance(first, Built):
+        reasons = sorted({k.text for k in kernels if isinstance(k, Rejected)})
+        raise KernelError(f"no candidate passed verification: {'; '.join(reasons[:3])}")
+    unique = {kernel.name: kernel for kernel in (first, *passed)}
+    return TimingJob(tuple(unique.values()), ROUNDS, seconds / PROCESSES, latency=True)
+
+
+def timed_together(time: Time, job: TimingJob, tell: Progress) -> Together:
     """A job in `PROCESSES` processes; where a kernel ends one, those that can be timed alone.
 
-    `tell`: of how many kernels and which process begins.
+    `tell` is told of each process as it begins.
     """
     try:
         return Together(_processes(time, job, tell))
@@ -45,14 +69,13 @@ def timed_together(time: Time, job: TimingJob, tell: Callable[[int, int], None])
     return Together(_processes(time, replace(job, kernels=(job.baseline, *left)), tell), ended)
 
 
-def _processes(
-    time: Time, job: TimingJob, tell: Callable[[int, int], None]
-) -> tuple[dict[str, Any], ...]:
+def _processes(time: Time, job: TimingJob, tell: Progress) -> tuple[dict[str, Any], ...]:
     """All kernels in another order each time, the baseline always first."""
     first, documents = job.baseline, []
+    what = f"timing {len(job.kernels)} kernels for {PROCESSES * job.seconds:.0f} s"
     others = [kernel for kernel in job.kernels if kernel.name != first.name]
     for number in range(PROCESSES):
-        tell(len(job.kernels), number + 1)
+        tell(what, number, PROCESSES)
         shift = number * len(others) // PROCESSES
         documents.append(time(replace(job, kernels=(first, *others[shift:], *others[:shift]))))
     return tuple(documents)

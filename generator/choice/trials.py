@@ -17,12 +17,13 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 from ..errors import KernelError
 from ..evidence.records.code import digest
+from ..evidence.records.record import Basis
 from ..evidence.timing.ratios import Speed, TimingRun, control_band, timing_results, to_digits
 from ..registry.question import Call, Goal, Question, read_question
 from ..registry.variant import Variant, answered
 from .kernel import Code, Emitted, Reason, Rejected, verdict_of
 
-SCHEMA: Literal[3] = 3
+SCHEMA: Literal[4] = 4
 _DIGITS = 5
 
 
@@ -43,21 +44,15 @@ class _Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Depends(_Part):
-    """All that a figure depends on. Its hash, with the rung, is the key of a trial."""
+class Depends(Basis):
+    """All that a figure depends on, its time and more: with the rung, the key of a trial."""
 
-    source: str  # hash of the kernel's and the probe's text, without comments and its own name
-    compiler: str  # first line of --version
-    flags: tuple[str, ...]
     cpu: str  # the target name and the model name of the CPU that timed
     goal: str  # of the name grammar: n1000, e1m06
     call: Call
-    cases: str  # hash of the cases that are verified and timed on, and of what must come out
+    answers: str  # hash of the cases that are verified on, and of what must come out
     rules: str  # hash of the rules of verification
-    bench: str  # hash of the code that times
-    baseline: str  # hash of source, compiler and flags of `paper-initial`
     timing: str  # how a trial is timed: rounds and length of a block
-    timed: str = ""  # hash of the cases that are timed on alone; records before it have none
 
     def differences(self, other: Depends) -> tuple[str, ...]:
         """Names of the fields in which two differ."""
@@ -71,14 +66,21 @@ class Rules:
     cpu: str
     call: Call
     cases: str
+    answers: str
     rules: str
     bench: str
-    timed: str = ""
 
-    def depends(self, code: Code, goal: Goal, baseline: Code, timing: str) -> Depends:
+    def depends(self, code: Code, goal: Goal, baseline: Code, timing: str = "") -> Depends:
         """What the figures of a kernel depend on."""
-        own = {"goal": str(goal), "baseline": baseline.hash, "timing": timing}
-        return Depends.model_validate({**vars(self), **vars(code), **own})
+        return Depends(
+            source=code.source,
+            compiler=code.compiler,
+            flags=" ".join(code.flags),
+            baseline=baseline.hash,
+            goal=str(goal),
+            timing=timing,
+            **vars(self),
+        )
 
 
 class Subject(_Part):
@@ -198,7 +200,7 @@ class Rejection(_Part):
 class Record(_Part):
     """What all records have. `id` is the hash of the rest, so merging stores is a union."""
 
-    schema_version: Literal[3] = SCHEMA
+    schema_version: Literal[4] = SCHEMA
     id: str = ""
     key: str  # the same question has the same key
     run: str  # id of the run that made it

@@ -180,10 +180,10 @@ class Workbench:
         return Rules(
             cpu=cpu,
             call=contest.call,
-            cases=key_of(expected.key, timed, timed.shape[1]),
+            cases=key_of(timed, timed.shape[1]),
+            answers=expected.key,
             rules=verification_hash(self.tool.impact.folder),
             bench=self.tool.timing,
-            timed=key_of(timed, timed.shape[1]),
         )
 
     def plan(self, job: TimingJob) -> TimingPlan:

@@ -73,7 +73,7 @@ def _with_finals(longest: Iterable[_Timed], finals: Iterable[Final]) -> Iterator
 
 
 def _record(timed: _Timed, run: Run) -> TimingRecord:
-    variant, depends = timed.trial.subject.variant(), timed.depends
+    variant = timed.trial.subject.variant()
     return TimingRecord(
         question=str(variant.question),
         recipe=str(variant.recipe),
@@ -83,14 +83,7 @@ def _record(timed: _Timed, run: Run) -> TimingRecord:
         when=timed.made_at[:19] + "Z",
         origin=timed.origin,
         cpu=cpu_of(run),
-        basis=Basis(
-            source=depends.source,
-            compiler=depends.compiler,
-            flags=" ".join(depends.flags),
-            cases=depends.timed or depends.cases,
-            bench=depends.bench,
-            baseline=depends.baseline,
-        ),
+        basis=Basis(**timed.depends.model_dump(include=set(Basis.model_fields))),
     )
 
 

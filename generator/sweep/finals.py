@@ -87,8 +87,8 @@ def hold(
 def _timed(exploration: Exploration, kernels: Sequence[Verified], rounds: int) -> Rounds:
     """All of them together; those that end that are dropped."""
 
-    def tell(count: int, number: int) -> None:
-        exploration.tell(f"timing {count} together, process {number} of {PROCESSES}")
+    def tell(what: str, done: int, of: int) -> None:
+        exploration.tell(f"{what}, process {done + 1} of {of}")
 
     job = TimingJob((exploration.baseline, *kernels), rounds, FINAL_SECONDS)
     made = timed_together(exploration.lab.time, job, tell)

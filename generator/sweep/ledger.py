@@ -82,8 +82,6 @@ class Ledger:
         parts = []
         for name in stale.depends.differences(depends):
             before, after = getattr(stale.depends, name), getattr(depends, name)
-            if name == "flags":
-                before, after = " ".join(before), " ".join(after)
             short = name in ("compiler", "cpu", "flags", "timing", "goal", "call")
             parts.append(f"{name}: {before}, now {after}" if short else f"another {name}")
         return "; ".join(parts) or "no trial of this rung"

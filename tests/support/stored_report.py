@@ -132,11 +132,12 @@ def _trial(run: Run, contest: Contest, variant: Variant, random: Random, rejecte
     depends = Depends(
         source=name_of(variant),
         compiler=f"{variant['compiler']} 1",
-        flags=("-O3",),
+        flags="-O3",
         cpu="made up",
         goal=str(variant.stepper.goal),
         call=contest.call,
         cases="c",
+        answers="a",
         rules="r",
         bench="b",
         baseline="p",

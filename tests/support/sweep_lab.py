@@ -84,8 +84,8 @@ class FakeLab:
         self._refuse, self._speed, self._seconds = refuse, speed, seconds
 
     def rules(self, contest: Contest) -> Rules:
-        cases = f"cases {contest.goal.steps} {contest.batches}"
-        return Rules(self.cpu, contest.call, cases=cases, rules="rules", bench="bench")
+        cases = f"{contest.goal.steps} {contest.batches}"
+        return Rules(self.cpu, contest.call, cases, f"answers {cases}", "rules", "bench")
 
     def code(self, variant: Variant) -> Code:
         source = source_hash(made_up_source(variant))

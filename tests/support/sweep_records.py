@@ -5,16 +5,17 @@ from __future__ import annotations
 from generator.choice.trials import Depends, Errors, Subject, Times, Trial, trial_key
 
 DEPENDS = Depends(
-    source="5" * 32,
+    source="5" * 16,
     compiler="g++ 12.2.0",
-    flags=("-O3",),
+    flags="-O3",
     cpu="zen3, AMD Ryzen",
     goal="n1000",
     call="scalar",
-    cases="c" * 32,
+    cases="c" * 16,
+    answers="a" * 32,
     rules="7" * 32,
     bench="b" * 16,
-    baseline="0" * 32,
+    baseline="0" * 16,
     timing="rounds 24",
 )
 

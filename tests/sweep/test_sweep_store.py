@@ -42,7 +42,7 @@ def test_the_key_follows_from_what_a_figure_depends_on_and_the_rung_alone() -> N
     assert trial(0.5, rsqrt="inv").key == trial(0.7, rsqrt="est1", new="axis").key
     keys = {trial_key(DEPENDS, 0), trial_key(DEPENDS, 1)}
     for field, value in DEPENDS.model_dump().items():
-        other = (*value, "-g") if field == "flags" else "batch" if field == "call" else value + "x"
+        other = "batch" if field == "call" else value + "x"
         changed = DEPENDS.model_copy(update={field: other})
         assert changed.differences(DEPENDS) == (field,)
         keys.add(trial_key(changed, 0))
