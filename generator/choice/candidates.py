@@ -223,6 +223,7 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
         if compiler != "clangold"
         for width, root, interleave, numbers in ways
     ]
+    found += [v.with_options(lane_tiers="fixed") for v in found if v["numbers"] == "float"]
     return [v for v in found if broken_rule(v, target) is None]
 
 

@@ -163,6 +163,7 @@ absolute, larger, smaller = map(_of_numbers, ("absolute", "larger", "smaller"))
 rsqrt, rough_rsqrt = map(_of_numbers, ("rsqrt", "rough_rsqrt"))
 rough_inverse, near_inverse = map(_of_numbers, ("rough_inverse", "near_inverse"))
 sqrt, near_sqrt = map(_of_numbers, ("sqrt", "near_sqrt"))
+power_of_two, inverse_of_power = map(_of_numbers, ("power_of_two", "inverse_of_power"))
 select, where = map(_of_numbers, ("select", "where"))
 both, either, but_not, eq = map(_of_masks, ("both", "either", "but_not", "eq"))
 

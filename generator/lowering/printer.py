@@ -32,6 +32,7 @@ LANE_WORDS = {
     for name in (
         *("absolute", "larger", "smaller", "select", "where", "power"),
         *("rsqrt", "rough_rsqrt", "rough_inverse", "near_inverse", "sqrt", "near_sqrt"),
+        *("power_of_two", "inverse_of_power"),
         *("lt", "le", "gt", "ge", "eq", "both", "either", "but_not"),
     )
 }

@@ -178,6 +178,14 @@ AXES: tuple[Axis, ...] = (
         float_="floats, twice as many; what is before and after the steps stays double",
     ),
     _axis(
+        "lane_tiers",
+        "what comes before the adaptive steps in lanes of an exact stepper",
+        "exact",
+        lanes=True,
+        adaptive="nothing",
+        fixed="a few fixed steps, of those collisions that a certificate says they will do for",
+    ),
+    _axis(
         "compiler",
         "compiler",
         "all",

@@ -10,6 +10,7 @@ from ..targets.target import Target
 from .lane_numbers import precision_of, steps_in_doubles
 from .lanes import widths_of
 from .roots import EXACT_ROOTS, allows, allows_floats
+from .tiers import has_bound, takes_tiers
 from .variant import Variant
 
 
@@ -29,6 +30,11 @@ def _euler(test: Callable[[Variant], bool]) -> Callable[[Variant, Target], bool]
 
 def _floats(v: Variant) -> bool:
     return v.get("numbers") == "float"
+
+
+def _tiers(v: Variant) -> bool:
+    """Are there fixed steps in front of the adaptive ones?"""
+    return v.get("lane_tiers", "adaptive") != "adaptive"
 
 
 def _closed(v: Variant) -> bool:
@@ -228,6 +234,24 @@ RULES: tuple[Rule, ...] = (
         "pairs-need-stages",
         "only the steps of an exact kernel have stages that two vectors can make in turn",
         lambda v, _t: v.paired and (v.stepper.family != "exact" or _closed(v)),
+    ),
+    Rule(
+        "tiers-need-a-bound",
+        "no certificate of fixed steps is known for the model and the budget: use "
+        "lane_tiers=adaptive",
+        lambda v, _t: _tiers(v) and not has_bound(v.model, v.stepper.budget or 0.0),
+    ),
+    Rule(
+        "tiers-need-a-plain-scene",
+        "fixed steps ask nothing of speeds or motions and know equal masses alone: use "
+        "lane_tiers=adaptive",
+        lambda v, _t: _tiers(v) and not takes_tiers(v.scene),
+    ),
+    Rule(
+        "tiers-are-in-floats",
+        "the rounding that a certificate leaves room for is that of floats: use lanes of floats, "
+        "or lane_tiers=adaptive",
+        lambda v, _t: _tiers(v) and not (_floats(v) and v.vectors == 1),
     ),
     Rule(
         "lanes-fit-the-stack",

@@ -13,6 +13,7 @@ from generator.impacts.ball_ball.evidence.measure import STATUS
 from generator.impacts.ball_ball.row import BALL_BALL
 from generator.registry.roots import allows_floats
 from generator.registry.rules import broken_rule
+from generator.registry.tiers import has_bound
 from generator.registry.variant import Stepper, fixed_steps, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -38,6 +39,7 @@ KERNELS = (
     ("x86-64-v4", 8, {"finished": "refilled", "interleave": "i1", "lane_root": "est2"}),
 )
 IN_FLOATS = {"numbers": "float", "interleave": "s2", "lane_root": "est1"}
+FIXED_FIRST = {**IN_FLOATS, "lane_tiers": "fixed"}
 # target, lanes, tableau, budget, options: exact kernels, with the vocabularies that they share.
 IN_DOUBLES = (
     ("x86-64-v2", 2, "dp54", 1e-6, {"interleave": "i1", "root": "est1", "fma": "nofma"}),
@@ -51,6 +53,10 @@ IN_DOUBLES = (
 STEPS_IN_FLOATS = (
     ("x86-64-v2", 4, "dp54", 1e-6, {**IN_FLOATS, "lane_root": "cubic", "fma": "nofma"}),
     ("x86-64-v4", 16, "dp54", 1e-6, {**IN_FLOATS, "fma": "fma"}),
+    # Fixed steps in front of them, where their certificates are known.
+    ("x86-64-v2", 4, "dp54", 1e-6, {**FIXED_FIRST, "lane_root": "cubic", "fma": "nofma"}),
+    ("x86-64-v3", 8, "dp54", 1e-6, {**FIXED_FIRST, "interleave": "i1", "fma": "fma"}),
+    ("x86-64-v4", 16, "dp54", 1e-6, {**FIXED_FIRST, "fma": "fma"}),
 )
 EXACT = (*IN_DOUBLES, *STEPS_IN_FLOATS)
 # The same in scene `arcade`: lanes of float, twice as many.
@@ -71,6 +77,8 @@ def _variant(target, width, model, steps, options):
 
 def _exact(target, width, model, tableau, budget, options, scene="any"):
     stepper = Stepper(tableau, budget=budget)
+    if options.get("lane_tiers") and not has_bound(model, budget):
+        options = {**options, "lane_tiers": "adaptive"}
     made = make_variant(target, scene, model, stepper, width, **options)
     if made["numbers"] == "float" and not allows_floats(
         budget, BALL_BALL.sensitivity(model)
@@ -99,10 +107,17 @@ def _mathavan(kernel):
     return _exact(target, width, "mathavan2014", *rest, scene=scene)
 
 
+def _what(kernel):
+    """What tells a row of those tables from others of its target and width."""
+    if len(kernel) == 3:
+        return kernel[2]["finished"]
+    return f"{kernel[2]}{'-fixed' if 'lane_tiers' in kernel[4] else ''}"
+
+
 @pytest.fixture(
     scope="module",
     params=(*KERNELS, *EXACT, *FLOATS),
-    ids=lambda k: f"{k[0]}-x{k[1]}-{k[2] if len(k) > 3 else k[2]['finished']}",
+    ids=lambda k: f"{k[0]}-x{k[1]}-{_what(k)}",
 )
 def kernel(request):
     """A batch function, and how many lanes it has in flight."""

@@ -31,6 +31,7 @@ WIDEST = (  # the most numbers in flight of each kind
     ("x86-64-v4", 8, "ss43", 1e-4, WIDE),
     EXACT[5],
     EXACT[7],
+    EXACT[10],
     EXACT[0],  # and the fewest
 )
 RUNNABLE = (KERNELS[0], KERNELS[3], *EXACT[2:4], *EXACT[6:], FLOATS[2])
@@ -90,7 +91,7 @@ def program(tmp_path_factory: pytest.TempPathFactory):
 FLOATS_IN_AVX2 = ("x86-64-v3", 8, "dp54", 1e-6, EXACT[7][4])
 
 
-@pytest.mark.parametrize("kernel", (KERNELS[0], FLOATS_IN_AVX2), ids=_name)
+@pytest.mark.parametrize("kernel", (KERNELS[0], FLOATS_IN_AVX2, EXACT[9]), ids=_name)
 def test_clang_makes_no_division_that_a_mask_or_a_branch_leaves_out(kernel, program) -> None:
     if not any(compiler.code == "clang" for compiler in find_compilers()):
         pytest.skip("no Clang here")

@@ -117,6 +117,7 @@ class ExactContext:
     lane_bytes: int = 8  # of a vector in flight
     together: int = 1  # vectors whose steps are made at once
     batch: ExactContext | None = None  # the same in lanes
+    entry: str = "collide_all"  # what a batch of lanes is called by
 
     @property
     def flight_fields(self) -> tuple[str, ...]:

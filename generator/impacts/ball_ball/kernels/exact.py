@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ....lowering.counts import OperationCounts
 from ....lowering.lanes import LaneContext
 from ....registry.variant import Variant
 from ....steppers.exact.context import ExactContext, exact_context
+from ....steppers.tiers.context import TierContext, tier_context
 from ....targets.target import Target
 from ..models import find_model
 from ..scene import Scene, find_scene
@@ -23,12 +26,15 @@ def exact_parts(variant: Variant, target: Target) -> KernelParts:
     refuse_lanes(variant)
     lanes = lanes_of(variant, target)
     counts = exact.level.after.counts + _CLOSED if scene.level else exact.counts
+    tiers = _tiers(variant)
+    if tiers and exact.batch:
+        exact = replace(exact, batch=replace(exact.batch, entry="collide_adaptively"))
     return KernelParts(
         core_template=_core(scene),
-        batch_template="exact/level_batch.j2" if scene.level else "exact/batch.j2",
+        batch_template=_batch(scene, tiers),
         counts=counts,
         contract=_closed_contract(counts) if scene.level else _contract(exact, scene, lanes),
-        shown={"x": exact, "single": exact},
+        shown={"x": exact, "single": exact, **({"t": tiers} if tiers else {})},
         lanes=lanes,
     )
 
@@ -37,6 +43,19 @@ def _core(scene: Scene) -> str:
     if scene.level:
         return "exact/level_only.j2"
     return "exact/single.j2" if scene.table_friction else "exact/free.j2"
+
+
+def _tiers(variant: Variant) -> TierContext | None:
+    """The fixed steps in front of the adaptive ones, where a variant has them in lanes."""
+    if variant.get("lane_tiers", "adaptive") == "adaptive":
+        return None
+    return tier_context(find_model(variant.model).terms, variant.stepper.budget or 0.0)
+
+
+def _batch(scene: Scene, tiers: TierContext | None) -> str:
+    if tiers:
+        return "tiers/batch.j2"
+    return "exact/level_batch.j2" if scene.level else "exact/batch.j2"
 
 
 def _closed_contract(counts: OperationCounts) -> tuple[str, ...]:

@@ -1,0 +1,1 @@
+"""Fixed steps for collisions that a bound, known beforehand, says they are exact enough for."""

@@ -1,0 +1,132 @@
+"""Fixed steps with a certificate: tableau, ends, tables, and that tiers are what the page says."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from generator.errors import KernelError
+from generator.evidence.timing.bench_tool import ROOT
+from generator.impacts.ball_ball.evidence.measure import errors_of
+from generator.impacts.ball_ball.models import MODELS
+from generator.registry.rules import broken_rule
+from generator.registry.tiers import has_bound
+from generator.registry.variant import Stepper as Exact
+from generator.registry.variant import Variant, make_variant
+from generator.steppers.tiers.bounds import bound_for
+from generator.steppers.tiers.whole import end_weights
+from generator.tableaus.plain import BUTCHER_6
+from generator.targets.host import read_host
+from generator.targets.target import find_target
+from tests.steppers.test_tableaus import residual
+from tests.support.kernels import bench_tool, build_all
+
+BUDGETS = (1e-3, 1e-4, 1e-6, 9e-7, 1e-9)
+
+
+def _padded() -> tuple[tuple[Fraction, ...], ...]:
+    return tuple((*row, *[Fraction()] * (i - len(row))) for i, row in enumerate(BUTCHER_6.a))
+
+
+@pytest.mark.parametrize("nodes", range(1, 8))
+def test_the_tableau_has_the_order_that_it_says(nodes: int) -> None:
+    off = float(residual(BUTCHER_6.b, _padded(), nodes))
+    print(f"trees of {nodes} nodes: off by at most {off:.1e}")
+    assert (off < 1e-38) == (nodes <= BUTCHER_6.order)
+
+
+def test_the_last_stages_stand_at_the_nodes() -> None:
+    for stage, node in zip(BUTCHER_6.node_stages, BUTCHER_6.nodes, strict=True):
+        assert abs(BUTCHER_6.c[stage] - node) < Fraction(1, 10**38)
+
+
+@pytest.mark.parametrize("power", range(4))
+def test_the_work_of_compression_is_exact_for_cubics(power: int) -> None:
+    """Sums and double sums until w = 1 / (1 + e_b) of the powers that the nodes determine."""
+    weights = {name: sp.sympify(text) for name, text in end_weights(BUTCHER_6)}
+    w, nodes = sp.Symbol("w"), [float(node) for node in BUTCHER_6.nodes]
+    for share in (0.5, 0.7, 1.0):
+        once = sum(float(weights[f"t{i}"].subs(w, share)) * n**power for i, n in enumerate(nodes))
+        twice = sum(float(weights[f"i{i}"].subs(w, share)) * n**power for i, n in enumerate(nodes))
+        assert once == pytest.approx(share ** (power + 1) / (power + 1), abs=1e-14)
+        exact = share ** (power + 2) / ((power + 1) * (power + 2))
+        assert twice == pytest.approx(exact, abs=1e-14)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
+def test_the_registry_knows_for_what_there_are_certificates(model) -> None:
+    for budget in BUDGETS:
+        try:
+            bound = bound_for(model.terms, budget)
+        except ValueError:
+            bound = None
+        assert has_bound(model.name, budget) == (bound is not None), budget
+
+
+def test_the_length_of_one_step_is_exact_to_first_order() -> None:
+    """Q of docs/fixed-tiers.md for friction that goes from f_0 to f_1 along the line of centres."""
+    e, f_0, f_1, small = sp.symbols("e f_0 f_1 small", positive=True)
+    q, end, x = sp.symbols("q end x", positive=True)
+    first, last = (3 + 5 * e) / 24, (3 + e) / 24
+    length = (1 + e) / 2 - small * (first * f_0 + last * f_1)
+    t = small * (f_0 + (f_1 - f_0) * x / length)
+    v = -1 + 2 * q + sp.integrate(t, (x, 0, q))
+    work = sp.integrate(sp.expand(v.subs(q, x) * t), (x, 0, end))
+    q_c = length / (1 + e)
+    square = e**2 + 2 * work.subs(end, length) - 2 * (1 - e**2) * work.subs(end, q_c)
+    off = sp.series(v.subs(q, length) ** 2 - square, small, 0, 2).removeO()
+    assert sp.simplify(off) == 0
+
+
+def _variants() -> list[Variant]:
+    found = []
+    for target, width, fma in (("x86-64-v3", 8, "fma"), ("x86-64-v4", 16, "fma")):
+        if not read_host().runs(find_target(target)):
+            continue
+        options = {"root": "est1", "fma": fma, "numbers": "float", "interleave": "s2"}
+        made = make_variant(
+            target, "any", "mathavan2014", Exact("dp54", budget=1e-6), width, **options
+        )
+        found += [made, made.with_options(lane_tiers="fixed")]
+    return found
+
+
+def test_fixed_steps_are_as_exact_as_adaptive_ones() -> None:
+    """All kinds, over the whole range of speeds, through both kernels of each width."""
+    tool, variants = bench_tool(), _variants()
+    cases = tool.make_cases(31, 20000, mixed=False)
+    want = tool.expect(cases.rows, "exact", "mathavan2014")
+    for variant, built in zip(variants, build_all(variants), strict=True):
+        assert not isinstance(built, KernelError), built
+        got = tool.run_kernel(built.path, cases.rows, batch=True)
+        relative = errors_of(cases.rows, got, want).relative
+        worst = int(np.argmax(relative))
+        print(f"{variant.recipe}: {relative[worst]:.2g} ({cases.kinds[worst]})")
+        assert relative[worst] <= 1e-6
+
+
+def test_only_floats_in_plain_scenes_take_them() -> None:
+    target = find_target("x86-64-v4")
+    made = make_variant(
+        "x86-64-v4", "any", "mathavan2014", Exact("dp54", budget=1e-6), 8, fma="fma"
+    )
+    in_floats = made.in_lanes(16, numbers="float", interleave="s2", lane_tiers="fixed")
+    cases = {
+        "": in_floats,
+        "tiers-need-a-bound": in_floats.moved(model="bottom_slip"),
+        "tiers-need-a-plain-scene": in_floats.moved(scene="break"),
+        "tiers-are-in-floats": made.with_options(lane_tiers="fixed"),
+    }
+    for name, variant in cases.items():
+        rule = broken_rule(variant, target)
+        assert (rule.name if rule else "") == name
+
+
+def test_the_page_has_the_constants_of_the_code() -> None:
+    page = (ROOT / "docs" / "fixed-tiers.md").read_text("utf-8")
+    bound = bound_for(MODELS[[m.name for m in MODELS].index("mathavan2014")].terms, 1e-6)
+    assert f"< {bound.error:g}".replace("e-0", "e-") in page
+    assert [tier.steps for tier in bound.tiers] == [0, 1, 2]
