@@ -13,14 +13,14 @@ from ..choice.lookup import require_runs, with_compiler_found
 from ..choice.workbench import Workbench
 from ..errors import InputError
 from ..evidence.challenge.document import document
-from ..evidence.challenge.envelope import envelope
 from ..evidence.challenge.kept import keep as keep_cases
+from ..evidence.challenge.place import search_of
 from ..evidence.challenge.search import Limits, Result, Subject, search_all
 from ..evidence.profiling.counting import count_operations
 from ..evidence.verification.errors import Array
-from ..impacts.ball_ball.scene import find_scene
+from ..evidence.verification.evidence import evidence_of
 from ..registry.names import name_of
-from ..registry.question import find_impact
+from ..registry.question import DEFAULT_IMPACT, find_impact
 from ..registry.variant import Variant
 from ..targets.target import find_target
 from .request import Request, kernel_named
@@ -108,6 +108,7 @@ def challenge(
     """
     session, asked = session or Session(), asked or ChallengeRequest()
     wanted = asked.kernels(session)
+    search_of(wanted[0][0].question.row)  # there must be one
     resolved, host = resolve_target(wanted[0][0].target)
     require_runs(host, resolved)
     with session.workbench(target=resolved, impact=wanted[0][0].question.row) as bench:
@@ -118,10 +119,13 @@ def challenge(
             yield Challenged(told["kernel"], subject, asked.seed, tuple(found), told)
 
 
-def keep(found: Sequence[Result]) -> tuple[int, int]:
+def keep(found: Sequence[Result], impact: str = DEFAULT_IMPACT) -> tuple[int, int]:
     """Add the worst case of each result that is over to the kept cases: new ones, of how many."""
     over = [("found_by_search", result.over[0].case) for result in found if result.over]
-    return (keep_cases(over) if over else 0), len(over)
+    if not over:
+        return 0, 0
+    row = find_impact(impact)
+    return keep_cases(over, evidence_of(row).hard_cases, row.columns.case), len(over)
 
 
 def _named(kernel: str, session: Session) -> Variant:
@@ -145,6 +149,7 @@ def _subject(bench: Workbench, variant: Variant, batch: bool, extent: Extent) ->
         )
         return np.array(counted.each, dtype=np.float64)
 
-    within = envelope(find_scene(variant.scene), variant.model, extent)
+    asked = variant.question
+    within = search_of(asked.row).envelope(asked.known_scene, asked.model, extent)
     library = candidate.library.path
     return Subject(bench.tool, library, within, budget, batch, None if batch else count)

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import KernelError
-from ..evidence.challenge.envelope import envelope
 from ..evidence.challenge.kept import csv_row
+from ..evidence.challenge.place import found_search
 from ..evidence.challenge.search import (
     Finding,
     Limits,
@@ -21,7 +21,7 @@ from ..evidence.challenge.search import (
 )
 from ..evidence.records.code import key_of
 from ..evidence.verification.errors import Array
-from ..impacts.ball_ball.scene import find_scene
+from ..impacts.impact import Impact
 from .choose import Choice
 from .kernel import Rejected, Verified
 from .workbench import Workbench
@@ -102,19 +102,28 @@ def _with(kernels: Entries, one: Verified | Rejected) -> Entries:
 def sought(bench: Workbench, candidate: Verified, known: Sequence[Array]) -> Sought | None:
     """What `known` cases show, else what a short search finds, which is kept.
 
-    None where the kernel has no budget or cannot run here.
+    None where the kernel has no budget or cannot run here, or nothing searches its impact yet.
     """
     budget = candidate.variant.stepper.budget
     if budget is None or bench.emulated:
         return None
     variant = candidate.variant
-    within = envelope(find_scene(variant.scene), variant.model, "scene")
+    if (space := found_search(variant.question.row)) is None:
+        return None
+    within = space.envelope(variant.question.known_scene, variant.model, "scene")
     subject = Subject(bench.tool, candidate.library.path, within, budget, candidate.is_batch)
     met = _met(subject, known)
     if met is not None:
         return met
     tool = bench.tool.executable.name
-    key = key_of(candidate.library.key, tool, search_hash(), SEED, EVALUATIONS, repr(within))
+    key = key_of(
+        candidate.library.key,
+        tool,
+        search_hash(variant.question.row),
+        SEED,
+        EVALUATIONS,
+        repr(within),
+    )
     bench.progress("searching for errors", 0, 1)
     kept = bench.store.kept("searches", key, lambda: asdict(_sought(subject)))
     bench.progress("searching for errors", 1, 1)
@@ -140,10 +149,10 @@ def _met(subject: Subject, cases: Sequence[Array]) -> Sought | None:
     return _of(max(over, key=lambda f: f.over), len(cases), False) if over else None
 
 
-def search_hash() -> str:
+def search_hash(impact: Impact) -> str:
     """Of the rules of the search: what it found holds only under those that it was found by."""
-    rooms = [
-        Path(__file__).parents[1] / "evidence" / name for name in ("challenge", "verification")
-    ]
-    files: Sequence[Path] = [path for room in rooms for path in sorted(room.glob("*.py"))]
+    package = Path(__file__).parents[1]
+    evidence, own = package / "evidence", package / "impacts" / impact.folder
+    rooms = [evidence / "challenge", evidence / "verification", own / "search", own / "evidence"]
+    files: Sequence[Path] = [path for room in rooms for path in sorted(room.rglob("*.py"))]
     return key_of(*(path.read_text("utf-8") for path in files))

@@ -50,7 +50,7 @@ def challenge(
     **asked: Any,
 ) -> int:
     """Search for the input with the largest error of the chosen kernel, or of another."""
-    from ..evidence.challenge.kept import FILE
+    from ..evidence.verification.evidence import evidence_of
     from .challenge_lines import brief_line, lines
 
     own = {key: asked.pop(key) for key in _REQUEST}
@@ -63,12 +63,13 @@ def challenge(
     with session() as told:
         for found in api.challenge(request, told):
             documents.append(found.document)
+            impact = found.subject.tool.impact
             shown = [brief_line(found)] if everything else lines(found)
             click.echo("\n".join(shown))
             held = held and found.held
             if keeps and any(result.over for result in found.results):
-                new, over = api.keep(found.results)
-                click.echo(f"{new} of {over} cases added to {FILE}")
+                new, over = api.keep(found.results, impact.name)
+                click.echo(f"{new} of {over} cases added to {evidence_of(impact).hard_cases}")
             if json_path is not None:
                 text = json.dumps({"schema": 1, "searches": documents}, indent=1)
                 write_file(json_path, text + "\n")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from ..api.challenging import Challenged
-from ..evidence.challenge.kept import CSV_HEADER, csv_row, hexfloats
+from ..evidence.challenge.kept import csv_header, csv_row, hexfloats
+from ..evidence.challenge.place import search_of
 from ..evidence.challenge.search import Finding
+from ..evidence.verification.errors import Array
 
 _WORDS = {
     "error": "off by {:.3g} of the budget",
@@ -26,24 +28,24 @@ def lines(searched: Challenged) -> Iterator[str]:
     within, errors = subject.within, found[0]
     head = f"{searched.kernel}{' (batches)' * subject.batch}"
     yield f"{head}: envelope {within.extent}, seed {searched.seed}"
-    ranges = (("u_b", within.u_b), ("u_s", within.u_s), ("e_b", within.e_b))
+    ranges = within.ranges.items()
     yield "ranges: " + ", ".join(f"{key} {low:g} to {high:g}" for key, (low, high) in ranges)
+    words, names = search_of(subject.tool.impact).words, subject.tool.columns.case
     evaluations, seconds = sum(r.evaluations for r in found), sum(r.seconds for r in found)
     yield f"{evaluations} evaluations, {evaluations / seconds:.0f} a second"
     for result in found:
         verdict = "" if result.hunt == "slow" else ("" if result.held else "OVER: ")
-        yield f"  {result.hunt:9}{result.evaluations:9}  {verdict}{_words(result.worst)}"
+        yield f"  {result.hunt:9}{result.evaluations:9}  {verdict}{_words(result.worst, words)}"
         for finding in (*result.over[1:], *result.apart):
-            yield f"  {'':18}  {_words(finding)}"
+            yield f"  {'':18}  {_words(finding, words)}"
     over = "OVER" if not errors.held else "within the budget"
     yield f"worst error over {subject.budget:g}: {errors.worst.over:.4g} ({over})"
-    yield from (CSV_HEADER, csv_row("found_by_search", errors.worst.case))
-    yield hexfloats(errors.worst.case)
+    yield from (csv_header(names), csv_row("found_by_search", errors.worst.case))
+    yield hexfloats(errors.worst.case, names)
 
 
-def _words(finding: Finding) -> str:
-    case = finding.case
-    where = f"u_b {case[4]:.6g} u_s {case[2]:.6g} e_b {case[5]:.6g}"
+def _words(finding: Finding, words: Callable[[Array], str]) -> str:
+    where = words(finding.case)
     moved = f", a rounding moves it by {finding.moved:.1e}" if finding.moved else ""
     return f"{_WORDS[finding.kind].format(finding.over)} ({where}{moved})"
 

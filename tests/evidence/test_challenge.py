@@ -15,12 +15,8 @@ from generator.choice import sought
 from generator.choice.choose import Choice
 from generator.choice.kernel import Rejected
 from generator.errors import KernelError
-from generator.evidence.challenge import rewind as rewinding
-from generator.evidence.challenge.balls import cases_of
-from generator.evidence.challenge.charts import Layout, States, draw_chart, places_of, states_of
-from generator.evidence.challenge.envelope import Envelope, envelope
 from generator.evidence.challenge.hunts import asymmetry, growth, jumps
-from generator.evidence.challenge.kept import csv_row, keep
+from generator.evidence.challenge.kept import csv_row
 from generator.evidence.challenge.search import (
     Limits,
     Subject,
@@ -34,8 +30,18 @@ from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.evidence.measure import CASE_NAMES
 from generator.impacts.ball_ball.evidence.scene_cases import contact_slip
 from generator.impacts.ball_ball.scene import find_scene
+from generator.impacts.ball_ball.search import rewind as rewinding
+from generator.impacts.ball_ball.search.balls import cases_of
+from generator.impacts.ball_ball.search.charts import (
+    Layout,
+    States,
+    draw_chart,
+    places_of,
+    states_of,
+)
+from generator.impacts.ball_ball.search.envelope import Envelope, envelope
 from tests.support.kernels import bench_tool
-from tests.support.reference import load_hard
+from tests.support.reference import keep, load_hard
 
 BUDGET = 1e-6
 FLAW = 5e-6  # of tests/evidence/planted.cpp

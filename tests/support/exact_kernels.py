@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from generator.evidence.challenge.kept import hexfloats as hexfloats
-from generator.evidence.challenge.kept import keep as keep
 from generator.evidence.timing.bench_tool import BenchTool
 from generator.evidence.verification.errors import Array, nudged
 from generator.impacts.ball_ball.evidence import MODELS as MODELS
@@ -25,6 +23,8 @@ from generator.targets.target import Target, find_target
 from generator.toolchain.build import BuiltLibrary
 from tests.support import reference
 from tests.support.kernels import EULER, build_all, compiler_of
+from tests.support.reference import hexfloats as hexfloats
+from tests.support.reference import keep as keep
 
 BUDGETS = (1e-3, 1e-4, 1e-6, 1e-9, 1e-12)
 COMPILERS = ("gcc", "clang")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from generator.evidence.challenge import kept
 from generator.evidence.verification import exact, hard_cases, reference
 from generator.evidence.verification.errors import Array
 from generator.evidence.verification.reference import Reference, ReferenceFiles
@@ -22,6 +24,14 @@ def load_reference(folder: Path = FOLDER) -> Reference:
 
 def load_hard(path: Path = FILE) -> tuple[tuple[str, ...], Array]:
     return hard_cases.load_hard(path, CASE_NAMES)
+
+
+def hexfloats(case: Array) -> str:
+    return kept.hexfloats(case, CASE_NAMES)
+
+
+def keep(found: Sequence[tuple[str, Array]], path: Path = FILE) -> int:
+    return kept.keep(found, path, CASE_NAMES)
 
 
 def exact_verdict(

@@ -15,7 +15,7 @@ def document(
     variant: Variant, subject: Subject, seed: int, cpu: str, found: Sequence[Result]
 ) -> dict[str, Any]:
     """All of a search: what was searched where, how much, and the findings to the last bit."""
-    within = subject.within
+    within, names = subject.within, subject.tool.columns.case
     return {
         "kernel": name_of(variant),
         "question": str(variant.question),
@@ -24,30 +24,30 @@ def document(
         "budget": subject.budget,
         "model": variant.model,
         "envelope": within.extent,
-        "ranges": {"u_b": within.u_b, "u_s": within.u_s, "e_b": within.e_b},
+        "ranges": dict(within.ranges),
         "seed": seed,
         "cpu": cpu,
-        "hunts": {result.hunt: _hunt(result) for result in found},
+        "hunts": {result.hunt: _hunt(result, names) for result in found},
     }
 
 
-def _hunt(result: Result) -> dict[str, Any]:
+def _hunt(result: Result, names: Sequence[str]) -> dict[str, Any]:
     return {
         "evaluations": result.evaluations,
         "seconds": round(result.seconds, 2),
         "held": result.held,
-        "worst": _finding(result.worst),
-        "over": [_finding(f) for f in result.over],
-        "apart": [_finding(f) for f in result.apart],
+        "worst": _finding(result.worst, names),
+        "over": [_finding(f, names) for f in result.over],
+        "apart": [_finding(f, names) for f in result.apart],
     }
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def _finding(finding: Finding, names: Sequence[str]) -> dict[str, Any]:
     return {
         "kind": finding.kind,
         "over": finding.over if finding.over != float("inf") else None,
         "rounding_moves_exact_by": finding.moved,
         "status": finding.status,
         "csv": csv_row("found_by_search", finding.case),
-        "hex": hexfloats(finding.case),
+        "hex": hexfloats(finding.case, names),
     }

@@ -10,14 +10,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import cma
 import numpy as np
 
 from ..verification.errors import Array
-from .balls import cases_of
-from .charts import GENES, Chart, draw_chart, places_of, states_of
-from .envelope import Envelope
+from .place import Search, Within
 
 _POPULATION = 24
 _FIRST = 96  # of them at random
@@ -27,7 +26,8 @@ _MOST = 120  # generations
 _AGAIN = 0.3  # share of islands that begin close to a good one
 _KEPT = 12  # good ones
 _MUTANTS = 48  # of a parent, a round
-Score = Callable[[Array], Array]  # rows of 24 -> what is to be as large as possible
+Chart = Any  # of the impact that is searched
+Score = Callable[[Array], Array]  # cases -> what is to be as large as possible
 
 
 @dataclass
@@ -36,17 +36,21 @@ class Island:
 
     chart: Chart
     seed: int
+    width: int  # how many numbers stand for a case
     near: Array | None = None  # genes to begin with, else a random generation
     best: float = -np.inf
-    genes: Array = field(default_factory=lambda: np.full(len(GENES), 0.5))
+    genes: Array = field(init=False)
     case: Array | None = None
     generations: int = 0
     since: int = 0  # generations since the last gain
     strategy: cma.CMAEvolutionStrategy | None = None
 
+    def __post_init__(self) -> None:
+        self.genes = np.full(self.width, 0.5)
+
     def ask(self) -> Array:
         if self.strategy is None and self.near is None:
-            return np.random.default_rng(self.seed).uniform(0, 1, (_FIRST, len(GENES)))
+            return np.random.default_rng(self.seed).uniform(0, 1, (_FIRST, self.width))
         strategy = self.strategy
         if strategy is None:
             strategy = self._begin(self.near, _NARROW)
@@ -110,7 +114,8 @@ class Archipelago:
     millionth: what a spike in a plain needs, where a strategy sees the plain alone.
     """
 
-    within: Envelope
+    space: Search
+    within: Within
     seed: int
     size: int
     found: list[Found] = field(default_factory=list)
@@ -124,12 +129,7 @@ class Archipelago:
         parents = self._parents()
         charts = [*(i.chart for i in self._islands), *(p.chart for p in parents)]
         asked = [*(i.ask() for i in self._islands), *(self._mutants(p) for p in parents)]
-        places = [places_of(chart, genes) for chart, genes in zip(charts, asked, strict=True)]
-        states = states_of(places, self.within)
-        made = [
-            cases_of(state, chart.layout, self.within)
-            for state, chart in zip(states, charts, strict=True)
-        ]
+        made = self.space.cases_of(charts, asked, self.within)
         cases = np.concatenate(made)
         sound = np.isfinite(cases).all(axis=1)
         scores = np.full(len(cases), -np.inf)
@@ -166,7 +166,7 @@ class Archipelago:
         return sorted([*self._good(), *here], key=lambda f: -f.score)[: self.size]
 
     def _mutants(self, parent: Found) -> Array:
-        shape = (_MUTANTS, len(GENES))
+        shape = (_MUTANTS, self.space.genes)
         sizes = 10 ** self._rng.uniform(-6, -0.7, (_MUTANTS, 1))
         steps = self._rng.normal(size=shape) * (self._rng.random(shape) < 0.5)
         return parent.genes + sizes * steps
@@ -200,5 +200,6 @@ class Archipelago:
         good = self._good()
         if good and self._rng.random() < _AGAIN:
             start = good[int(self._rng.integers(len(good)))]
-            return Island(start.chart, seed, near=start.genes)
-        return Island(draw_chart(self._rng, self.within), seed)
+            return Island(start.chart, seed, self.space.genes, near=start.genes)
+        chart = self.space.draw_chart(self._rng, self.within)
+        return Island(chart, seed, self.space.genes)

@@ -8,21 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...impacts.ball_ball.evidence.measure import (
-    SPEEDS,
-    STATUS,
-    VELOCITIES,
-    errors_of,
-    relative_speed,
-    rounding_of,
-)
+from ...impacts.columns import Columns
 from ..timing.bench_tool import BenchTool, Method
-from ..verification.errors import Array, nudged
-from .envelope import Envelope
+from ..verification.errors import Array, Measure, nudged
+from ..verification.evidence import evidence_of
+from .place import Search, Within, search_of
 
 _NUDGES = 16
 _TIMEOUT = 300.0
-_PARAMETERS = (2, 3, 4, 5)
 # What a few roundings of a case may make of a result, in what one of them does.
 ROUNDINGS = 16.0
 
@@ -30,8 +23,8 @@ ROUNDINGS = 16.0
 class Answers(NamedTuple):
     """What came out of cases and what should have."""
 
-    got: Array  # rows of 13
-    want: Array  # rows of 14
+    got: Array
+    want: Array
     error: Array  # relative; infinite where the status is another
     over: Array  # error over what is allowed: the budget, or the doubles' floor where that is more
 
@@ -42,13 +35,25 @@ class Judge:
 
     tool: BenchTool
     library: Path
-    within: Envelope
+    within: Within
     budget: float
     batch: bool
     evaluations: int = field(default=0)
 
+    @property
+    def measure(self) -> Measure:
+        return evidence_of(self.tool.impact).measure
+
+    @property
+    def space(self) -> Search:
+        return search_of(self.tool.impact)
+
+    @property
+    def columns(self) -> Columns:
+        return self.tool.columns
+
     def run(self, cases: Array) -> Array:
-        """What the kernel makes of cases, in rows of 13."""
+        """What the kernel makes of cases."""
         return self.tool.run_kernel(self.library, cases, batch=self.batch, timeout=_TIMEOUT)
 
     def answers(self, cases: Array, method: Method = "screen") -> Answers:
@@ -56,8 +61,9 @@ class Judge:
         want = self.expect(cases, method)
         got = self.run(cases)
         self.evaluations += len(cases)
-        error = errors_of(cases, got, want).relative
-        error = np.where(got[:, STATUS] == want[:, STATUS], error, np.inf)
+        error = self.measure.errors_of(cases, got, want).relative
+        status = self.columns.status
+        error = np.where(got[:, status] == want[:, status], error, np.inf)
         return Answers(got, want, error, error / self.allowed(cases))
 
     def expect(self, cases: Array, method: Method) -> Array:
@@ -65,28 +71,23 @@ class Judge:
         return self.tool.expect(cases, method, self.within.model, more=more, threads=1)
 
     def allowed(self, cases: Array) -> Array:
-        return np.maximum(self.budget, rounding_of(cases))
+        return np.maximum(self.budget, self.measure.rounding_of(cases))
 
     def moved(self, case: Array) -> float:
         """How far the exact result moves, relative, when the case changes by last bits."""
-        cases = nudged(case, _NUDGES, (*_PARAMETERS, *SPEEDS))
-        cases[:, 2:6] = np.clip(cases[:, 2:6], 0.0, 1.0)
+        parameters = self.space.parameters
+        cases = nudged(case, _NUDGES, (*parameters, *self.measure.moving))
+        ranges = [self.tool.impact.parameters[column] for column in parameters]
+        low, high = [r.low for r in ranges], [r.high for r in ranges]
+        cases[:, parameters] = np.clip(cases[:, parameters], low, high)
         exact = self.expect(cases, "exact")
-        return float(errors_of(cases, exact, np.tile(exact[0], (len(cases), 1))).relative.max())
+        own = np.tile(exact[0], (len(cases), 1))
+        return float(self.measure.errors_of(cases, exact, own).relative.max())
 
     def difference(self, cases: Array, answers: Answers) -> Array:
-        """Errors with their signs, of v and R w, relative to |v1 - v2|; rows of 12."""
-        wrong = answers.got[:, :VELOCITIES] - answers.want[:, :VELOCITIES]
-        wrong[:, [3, 4, 5, 9, 10, 11]] *= cases[:, :1]
-        relative: Array = wrong / relative_speed(cases)[:, None]
+        """Errors with their signs, of v and R w, relative; a row of velocities for each case."""
+        velocities = slice(self.columns.status)
+        wrong = answers.got[:, velocities] - answers.want[:, velocities]
+        wrong[:, self.columns.spins_after] *= self.measure.radius(cases)
+        relative: Array = wrong / self.measure.speed(cases)[:, None]
         return relative
-
-
-def kinetic_energy(cases: Array, velocities: Array, mass_ratio: float | Array) -> Array:
-    """Of both balls, over half the mass of ball 2; `velocities` in rows of v1, w1, v2, w2."""
-    squares = velocities[:, :VELOCITIES] ** 2
-    spin = 0.4 * cases[:, 0] ** 2
-    one = squares[:, 0:3].sum(axis=1) + spin * squares[:, 3:6].sum(axis=1)
-    two = squares[:, 6:9].sum(axis=1) + spin * squares[:, 9:12].sum(axis=1)
-    total: Array = mass_ratio * one + two
-    return total

@@ -1,4 +1,4 @@
-"""Cases that a kernel once failed, kept to the last bit: tests/data/hard_cases.csv."""
+"""Cases that a kernel once failed, kept to the last bit in a file of the impact."""
 
 from __future__ import annotations
 
@@ -6,32 +6,29 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...files import write_file
-from ...impacts.ball_ball.evidence import EVIDENCE
-from ...impacts.ball_ball.evidence.measure import CASE_NAMES
 from ..verification.errors import Array
 from ..verification.hard_cases import load_hard
 
-FILE = EVIDENCE.hard_cases
 
-
-def hexfloats(case: Array) -> str:
+def hexfloats(case: Array, names: Sequence[str]) -> str:
     """A case to the last bit, as C and Python read it."""
     return " ".join(
-        f"{name}={value.hex()}" for name, value in zip(CASE_NAMES, map(float, case), strict=True)
+        f"{name}={value.hex()}" for name, value in zip(names, map(float, case), strict=True)
     )
 
 
 def csv_row(kind: str, case: Array, number: int = 0) -> str:
-    """A case in the columns of reference/inputs.csv; the shortest decimals that read back."""
+    """A case in the columns of inputs.csv; the shortest decimals that read back."""
     return ",".join([str(number), kind, *(repr(float(value)) for value in case)])
 
 
-CSV_HEADER = ",".join(["id", "kind", *CASE_NAMES])
+def csv_header(names: Sequence[str]) -> str:
+    return ",".join(["id", "kind", *names])
 
 
-def keep(found: Sequence[tuple[str, Array]], path: Path = FILE) -> int:
+def keep(found: Sequence[tuple[str, Array]], path: Path, names: Sequence[str]) -> int:
     """Adds cases (kind, row) that are not there yet; how many were new."""
-    _, rows = load_hard(path, CASE_NAMES)
+    _, rows = load_hard(path, names)
     known = {tuple(row) for row in rows}
     new = [(kind, row) for kind, row in found if tuple(row) not in known]
     lines = [",".join([kind, *(float(value).hex() for value in row)]) + "\n" for kind, row in new]

@@ -11,13 +11,12 @@ from typing import Literal
 
 import numpy as np
 
-from ...impacts.ball_ball.evidence.measure import STATUS, rounding_of
 from ..timing.bench_tool import BenchTool
 from ..verification.errors import Array
-from .envelope import Envelope
 from .hunts import Hunt, jumps, score_of
 from .islands import Archipelago, Found
 from .judge import ROUNDINGS, Judge
+from .place import Within
 
 LANES = 2  # archipelagos at once: a constant, so that what is found does not depend on the machine
 _ISLANDS = 24
@@ -33,7 +32,7 @@ class Subject:
 
     tool: BenchTool
     library: Path
-    within: Envelope
+    within: Within
     budget: float
     batch: bool
     count: Callable[[Array], Array] | None = None  # evaluations that it makes for each case
@@ -97,7 +96,7 @@ def search(
     def lane(index: int) -> tuple[Judge, list[Found]]:
         judge = subject.judge()
         score = score_of(hunt, judge, subject.count)
-        sea = Archipelago(subject.within, seed * LANES + index, _ISLANDS)
+        sea = Archipelago(judge.space, subject.within, seed * LANES + index, _ISLANDS)
         while judge.evaluations < limits.evaluations / LANES and time.monotonic() < limits.until:
             sea.round(score)
             tell(judge.evaluations, sea.best)
@@ -134,14 +133,14 @@ def confirmed(judge: Judge, hunt: Hunt, found: Sequence[Found]) -> list[Finding]
 def errors_confirmed(judge: Judge, cases: Array) -> list[Finding]:
     """Errors by the oracle in long double, and why any of them is beyond the budget."""
     answers = judge.answers(cases, "exact")
-    floors = rounding_of(cases)
+    floors, column = judge.measure.rounding_of(cases), judge.columns.status
     findings = []
     for row, case in enumerate(cases):
-        error, status = float(answers.error[row]), int(answers.got[row, STATUS])
+        error, status = float(answers.error[row]), int(answers.got[row, column])
         beyond = error > judge.budget
         moved = judge.moved(case) if beyond and np.isfinite(error) else 0.0
         kind: Kind = "error"
-        if answers.got[row, STATUS] != answers.want[row, STATUS]:
+        if status != answers.want[row, column]:
             kind = "refused"
         elif beyond and error <= floors[row]:
             kind = "floor"
@@ -157,7 +156,7 @@ def counts_as_over(finding: Finding) -> bool:
 
 
 def _plain(judge: Judge, kind: Kind, cases: Array, sizes: Array) -> list[Finding]:
-    status = judge.run(cases)[:, STATUS]
+    status = judge.run(cases)[:, judge.columns.status]
     rows = zip(sizes, status, cases, strict=True)
     return [Finding(kind, float(size), 0.0, int(code), case) for size, code, case in rows]
 

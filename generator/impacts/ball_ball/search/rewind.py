@@ -11,11 +11,11 @@ from functools import cache
 
 import numpy as np
 
-from ...impacts.ball_ball import symbols as s
-from ...impacts.ball_ball.models import find_model
-from ...impacts.ball_ball.reduced import reduced_system
-from ...tableaus.tableaus import TABLEAUS
-from ..verification.errors import Array
+from ....evidence.verification.errors import Array
+from ....tableaus.tableaus import TABLEAUS
+from .. import symbols as s
+from ..models import find_model
+from ..reduced import reduced_system
 
 C_X, C_Z, S_X, S_Y, WORK = range(5)  # columns of a place; v_n comes apart
 _MOST_STEPS = 200

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...impacts.ball_ball.evidence.measure import CASE_COLUMNS
-from ...impacts.ball_ball.evidence.scene_cases import cases_for_scene
-from ...impacts.ball_ball.models import find_model
-from ..verification.errors import Array
+from ....evidence.verification.errors import Array
+from ..evidence.measure import CASE_COLUMNS
+from ..evidence.scene_cases import cases_for_scene
+from ..models import find_model
 from .charts import Layout, States
 from .envelope import REAL_SPEED, REAL_SPIN, Envelope
 from .rewind import C_X, C_Z, S_X, S_Y

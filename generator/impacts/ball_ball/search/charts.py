@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..verification.errors import Array
+from ....evidence.verification.errors import Array
 from .envelope import Envelope
 from .rewind import C_X, C_Z, S_X, S_Y, WORK, rewind
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
-from ...impacts.ball_ball.scene import Scene
+from ....evidence.challenge.place import Extent
+from ..scene import Scene
 
-Extent = Literal["real", "scene"]
 _RADIUS = 0.03125  # m: a power of two, so that R w is exactly what it was made from
 _MASS = 0.170097
 # Up to where the promise is made, model by model: beyond, friction on the table all but balances
@@ -33,6 +33,10 @@ class Envelope:
     e_b: tuple[float, float]
     radius: float
     mass: float
+
+    @property
+    def ranges(self) -> Mapping[str, tuple[float, float]]:
+        return {"u_b": self.u_b, "u_s": self.u_s, "e_b": self.e_b}
 
 
 def envelope(scene: Scene, model: str, extent: Extent) -> Envelope:
