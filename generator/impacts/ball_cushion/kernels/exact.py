@@ -42,6 +42,7 @@ class Control:
     turn_nose: float = 0.6  # angle by which a step may turn the nose's slip
     turn_table: float = 1.0
     stable: float = 2.0  # of a step in the time in which friction returns a slip to its balance
+    growth: float = 8.0  # times a slip that a step may add to it
     near: float = 0.3  # slips below are tried for following their balance
     beyond: float = 1.02  # of the impulse that is left at the present rate, for the last step
     rejected: float = 0.9  # of a step that is refused, at most
