@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,7 +11,6 @@ from ..errors import InputError
 from ..evidence.records.files import read_records, timings_path, union, write_records
 from ..files import require_place
 from ..impacts.registry import DEFAULT, find_impact
-from ..registry.lane_numbers import widths_for
 from ..steppers.exact.budgets import plan_for
 from ..sweep.explore import Observer
 from ..sweep.lab import Lab
@@ -170,19 +169,5 @@ def _near(host: Host) -> str:
 
 
 def _plan(target: Target, asked: RefreshRequest, session: Session) -> Plan:
-    wide = tuple(
-        w for w in widths_for(target, find_impact(DEFAULT).find_scene(SCENE), "exact") if w > 1
-    )
-    widths: Mapping[str, tuple[int, ...]] = {"scalar": (1,), "batch": wide}
-    return Plan(
-        target=target,
-        contests=contests_of(target.name, SCENE, STEPS, asked.budgets),
-        widths=widths,
-        only={},
-        compilers=(),
-        seed=SEED,
-        exhaustive=False,
-        minutes=asked.minutes,
-        trials=None,
-        timings=session.timings(),
-    )
+    contests = contests_of(target.name, SCENE, STEPS, asked.budgets)
+    return Plan(target, contests, seed=SEED, minutes=asked.minutes, timings=session.timings())

@@ -156,15 +156,11 @@ def _begun(
     model = impact.find_model(asked.model or scene.model).name
     contests = _contests(asked, target, model, scene.max_error)
     only = parse_only(asked.only)
-    widths = {
-        "scalar": (1,),
-        "batch": tuple(w for w in widths_for(target, scene, "exact") if w > 1),
-    }
+    lanes = any(width > 1 for width in widths_for(target, scene, "exact"))
     with _lab(asked, target, session) as lab:
         plan = Plan(
             target=target,
-            contests=tuple(c for c in contests if widths[c.call]),
-            widths=widths,
+            contests=tuple(c for c in contests if lanes or not c.batches),
             only=only,
             compilers=tuple(lab.compilers),
             seed=asked.seed,

@@ -232,12 +232,12 @@ class Trial(Record):
 
     kind: Literal["trial"] = "trial"
     subject: Subject
-    depends: Depends | None  # None for a constraint: there is no source
-    rung: int  # 0 is the shortest timing
-    rejection: Rejection | None
-    build_seconds: float | None
-    errors: Errors | None
-    times: Times | None
+    depends: Depends | None = None  # None for a constraint: there is no source
+    rung: int = 0  # 0 is the shortest timing
+    rejection: Rejection | None = None
+    build_seconds: float | None = None
+    errors: Errors | None = None
+    times: Times | None = None
 
 
 class Finalist(_Part):

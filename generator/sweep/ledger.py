@@ -6,6 +6,7 @@ import platform
 from collections import Counter
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from typing import Any
 
 from ..choice.trials import Depends, Final, Rejection, Run, Subject, Trial, trial_key
 from ..evidence.records.code import digest
@@ -86,7 +87,7 @@ class Ledger:
             parts.append(f"{name}: {before}, now {after}" if short else f"another {name}")
         return "; ".join(parts) or "no trial of this rung"
 
-    def _head(self, key: str) -> dict[str, str]:
+    def _head(self, key: str) -> dict[str, Any]:
         return {"key": key, "run": self._run.id, "made_at": now(), "machine": platform.node()}
 
     def trial(
@@ -94,39 +95,32 @@ class Ledger:
         subject: Subject,
         depends: Depends,
         rung: int,
-        **figures: object,
+        **figures: Any,
     ) -> Trial:
         """Keep a trial; see the fields of `Trial` for the figures."""
-        key = trial_key(depends, rung)
-        body = {"rejection": None, "build_seconds": None, "errors": None, "times": None, **figures}
-        own = {"subject": subject, "depends": depends, "rung": rung}
-        made = Trial.model_validate({**self._head(key), **own, **body})
-        return self._kept(made.sealed())
+        head = self._head(trial_key(depends, rung))
+        made = Trial(**head, subject=subject, depends=depends, rung=rung, **figures).sealed()
+        self._newest[identity(subject), rung] = made
+        self.made += 1
+        return self._kept(made)
 
     def refusal(self, subject: Subject, rejection: Rejection) -> None:
         """Keep, once, why a variant has no text, or no figures where it had some before."""
         key = digest(["refusal", identity(subject), rejection.model_dump()])
-        if key in self._trials:
-            return
-        nothing: dict[str, None] = dict.fromkeys(("depends", "build_seconds", "errors", "times"))
-        own = {"subject": subject, "rung": 0, "rejection": rejection}
-        made = Trial.model_validate({**self._head(key), **own, **nothing}).sealed()
-        self._store.append(made)
-        self._trials[key] = made
+        if key not in self._trials:
+            self._kept(Trial(**self._head(key), subject=subject, rejection=rejection).sealed())
 
     def _kept(self, made: Trial) -> Trial:
         self._store.append(made)
         self._trials[made.key] = made
-        self._newest[identity(made.subject), made.rung] = made
-        self.made += 1
         return made
 
     def find_final(self, key: str) -> Final | None:
         return self._finals.get(key)
 
-    def final(self, key: str, **figures: object) -> Final:
+    def final(self, key: str, **figures: Any) -> Final:
         """Keep a final; see the fields of `Final`."""
-        made: Final = Final.model_validate({**self._head(key), **figures}).sealed()
+        made: Final = Final(**self._head(key), **figures).sealed()
         self._store.append(made)
         self._finals[key] = made
         return made
@@ -143,9 +137,9 @@ def new_run(
     """The record of a run that begins now."""
     from .. import __version__
 
-    head = {"made_at": now(), "machine": platform.node(), "command": command, "seed": seed}
-    body = {**head, "cpu": cpu, "target": target, "compilers": dict(compilers), "cpuid": cpuid}
-    key = digest(body)
-    own = {"key": key, "run": key, "system": platform.platform(), "version": __version__}
-    run: Run = Run.model_validate({**own, **body}).sealed()
+    head: dict[str, Any] = {"made_at": now(), "machine": platform.node(), "command": command}
+    body = {**head, "seed": seed, "cpu": cpu, "target": target, "cpuid": cpuid}
+    body["compilers"] = dict(compilers)
+    key, system = digest(body), platform.platform()
+    run: Run = Run(key=key, run=key, system=system, version=__version__, **body).sealed()
     return run

@@ -35,19 +35,18 @@ class Plan:
 
     target: Target
     contests: tuple[Contest, ...]
-    widths: Mapping[str, tuple[int, ...]]  # by call
-    only: Mapping[str, tuple[str, ...]]
-    compilers: tuple[str, ...]
-    seed: int
-    exhaustive: bool
-    minutes: float | None
-    trials: int | None
+    only: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    compilers: tuple[str, ...] = ()
+    seed: int = 1
+    exhaustive: bool = False
+    minutes: float | None = None
+    trials: int | None = None
     timings: Timings = field(default_factory=Timings)  # whose fastest are tried first
 
     def space(self, contest: Contest) -> Space:
         """What may be tried in a contest."""
         there = widths_for(self.target, contest.known_scene, contest.goal.family)
-        widths = tuple(width for width in self.widths[contest.call] if width in there)
+        widths = tuple(width for width in there if (width > 1) == contest.batches)
         only = {**held_options(contest, self.target), **self.only}
         return Space(contest, self.target, self.compilers, widths, only)
 

@@ -132,18 +132,7 @@ class FakeLab:
 
 
 def plan(*contests: Contest, **changes: Any) -> Plan:
-    asked: dict[str, Any] = {
-        "target": ZEN3,
-        "contests": contests,
-        "widths": {"scalar": (1,), "batch": (2, 4)},
-        "only": {},
-        "compilers": ("gcc",),
-        "seed": 1,
-        "exhaustive": False,
-        "minutes": None,
-        "trials": None,
-    }
-    return Plan(**{**asked, **changes})
+    return Plan(ZEN3, contests, **{"compilers": ("gcc",), **changes})
 
 
 def swept(
