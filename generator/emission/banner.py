@@ -16,7 +16,7 @@ LICENCE = "MIT-0"
 _PACKAGE = Path(__file__).parents[1]
 # What shapes a text beside its templates and the folder of its impact. Scenes, targets and options
 # are data of each kernel: a new one changes no other kernel, nor does a new impact.
-SHAPING = ("tableaus", "lowering", "steppers", "emission")
+SHAPING = ("mechanics", "tableaus", "lowering", "steppers", "emission")
 OF_ALL_IMPACTS = ("columns.py", "impact.py", "scene.py")
 PINS = ("clang-format", "jinja2", "sympy")
 _PLACE = "@banner@"

@@ -16,7 +16,16 @@ from ...emission.kernel_source import KernelSource
 from ...registry.question import symbol_of
 from ..timing.bench_tool import plain_code
 
-SHAPING = ("impacts", "tableaus", "targets", "registry", "lowering", "steppers", "emission")
+SHAPING = (
+    "mechanics",
+    "impacts",
+    "tableaus",
+    "targets",
+    "registry",
+    "lowering",
+    "steppers",
+    "emission",
+)
 
 
 def digest(document: Any) -> str:

@@ -1,8 +1,7 @@
 """Contact points, slips and velocity updates, from first principles.
 
-Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-11. A slip is v + w x r at a
-contact point, an impulse J at the point r changes v by J/m and w by (r x J)/I with I = 2/5 m R^2.
-Lengths are in units of R, so that w x r is in m/s when w is carried as a spin speed.
+Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-11. What holds at any contact
+of a ball is in `mechanics`.
 """
 
 from __future__ import annotations
@@ -11,14 +10,12 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from ...mechanics.contacts import BOTTOM, TOP, Contact, slip_at, spin_change, velocity_change
 from . import symbols as s
 from .terms import ContactTerms
 
-INERTIA = sp.Rational(2, 5)  # solid ball, in units of m R^2
 TO_BALL_2 = sp.Matrix([0, 1, 0])  # contact point on ball 1, from its centre, in units of R
 TO_BALL_1 = -TO_BALL_2
-TOP = sp.Matrix([0, 0, 1])
-BOTTOM = -TOP
 
 
 @dataclass(frozen=True)
@@ -39,11 +36,6 @@ class Slips:
         return list(zip(names, values, strict=True))
 
 
-def slip_at(velocity: sp.Matrix, spin: sp.Matrix, point: sp.Matrix) -> sp.Matrix:
-    """Velocity of a surface point: v + w x r."""
-    return velocity + spin.cross(point)
-
-
 def slips(terms: ContactTerms) -> Slips:
     """Contact slip, table slips and approach velocity of two balls."""
     contact = slip_at(s.V1, s.O1, TO_BALL_2) - slip_at(s.V2, s.O2, TO_BALL_1)
@@ -55,11 +47,6 @@ def slips(terms: ContactTerms) -> Slips:
     table2 = slip_at(s.V2, s.O2, table_point)
     v_n = s.V2[1] - s.V1[1]
     return Slips(contact[0], c_z, table1[0], table1[1], table2[0], table2[1], v_n)
-
-
-def spin_change(impulse: sp.Matrix, point: sp.Matrix) -> sp.Matrix:
-    """Change of the spin speed R*w by an impulse (divided by the mass) at a point of the ball."""
-    return point.cross(impulse) / INERTIA
 
 
 def velocity_changes() -> dict[sp.Symbol, sp.Expr]:
@@ -76,8 +63,9 @@ def velocity_changes() -> dict[sp.Symbol, sp.Expr]:
         (s.V1, s.O1, s.BETA1, contact1, TO_BALL_2, table1),
         (s.V2, s.O2, s.BETA2, -contact1, TO_BALL_1, table2),
     ):
-        linear = beta * (contact + table)
-        angular = beta * (spin_change(contact, point) + spin_change(table, BOTTOM))
+        contacts = Contact(point, contact), Contact(BOTTOM, table)
+        linear = beta * velocity_change(contacts)
+        angular = beta * spin_change(contacts)
         for axis in (0, 1):
             changes[velocity[axis]] = sp.expand(linear[axis])
         for axis in range(3):

@@ -15,6 +15,7 @@ from types import MappingProxyType
 
 import sympy as sp
 
+from ...mechanics.linear import change_of, sums_from
 from . import symbols as s
 from .contact import lift_changes, slips, velocity_changes
 from .terms import ContactTerms
@@ -43,8 +44,7 @@ def reduced_system(terms: ContactTerms, pressed: int, equal: bool = True) -> Red
     nothing = {symbol: sp.Integer(0) for symbol in idle}
     changes = {}
     for name, form in slips(terms).items():
-        change = sum((sp.diff(form, v) * dv for v, dv in deltas.items()), sp.Integer(0))
-        change = sp.expand(change.subs(nothing))
+        change = sp.expand(change_of(form, deltas).subs(nothing))
         changes[name] = change.subs(EQUAL_MASSES) if equal else change
     return ReducedSystem(terms, pressed, MappingProxyType(changes))
 
@@ -68,10 +68,7 @@ def recovery(terms: ContactTerms, pressed: int, equal: bool = True) -> Recovery:
     slip = (s.S2X, s.S2Y) if pressed == 2 else (s.S1X, s.S1Y)
     unknowns = (s.DQ, s.D_X, s.D_Z, *table)
     rows = [system.changes[name] for name in (s.C_X, s.C_Z, *slip, s.V_N)]
-    matrix = sp.Matrix([[row.coeff(unknown) for unknown in unknowns] for row in rows])
-    solution = matrix.LUsolve(sp.Matrix(DELTAS))
-    forms = [sp.expand(sp.cancel(value)) for value in solution]
-    return Recovery(MappingProxyType(dict(zip(unknowns, forms, strict=True))), DELTAS)
+    return Recovery(MappingProxyType(sums_from(rows, unknowns, DELTAS)), DELTAS)
 
 
 DELTAS_BOTH = sp.symbols("dc_x dc_z ds1x ds1y ds2x ds2y dv_n", real=True)
@@ -84,10 +81,7 @@ def recovery_both(terms: ContactTerms) -> Mapping[sp.Symbol, sp.Expr]:
     unknowns = (s.DQ, s.D_X, s.D_Z, s.T1X, s.T1Y, s.T2X, s.T2Y)
     names = (s.C_X, s.C_Z, s.S1X, s.S1Y, s.S2X, s.S2Y, s.V_N)
     rows = [merge_pressed(one[name], two[name]) for name in names]
-    matrix = sp.Matrix([[row.coeff(unknown) for unknown in unknowns] for row in rows])
-    solution = matrix.LUsolve(sp.Matrix(DELTAS_BOTH))
-    sums = {u: sp.expand(sp.cancel(v)) for u, v in zip(unknowns, solution, strict=True)}
-    return MappingProxyType(sums)
+    return MappingProxyType(sums_from(rows, unknowns, DELTAS_BOTH))
 
 
 def merge_pressed(one: sp.Expr, two: sp.Expr) -> sp.Expr:

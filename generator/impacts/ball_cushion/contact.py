@@ -1,7 +1,6 @@
 """Contact points, slips and velocity rates, from first principles.
 
-A slip is v + w x r at a contact, and an impulse J at the point r changes v by J/M and w by
-(r x J)/I with I = 2/5 M R^2. The ball touches the cushion's nose at the angle theta above its
+What holds at any contact of a ball is in `mechanics`. The ball touches the cushion's nose at the angle theta above its
 centre, sin theta = h/R - 1, and the table at its lowest point. Lengths are in units of R.
 Source: Mathavan, Jackson, Parkin, Proc. IMechE C 224 (2010) 1863-1873, Eqs. 3-14.
 """
@@ -14,13 +13,12 @@ from types import MappingProxyType
 
 import sympy as sp
 
+from ...mechanics.contacts import BOTTOM, Contact, slip_at, spin_change, velocity_change
 from . import symbols as s
 
-INERTIA = sp.Rational(2, 5)  # solid ball, in units of M R^2
 ALONG = sp.Matrix([1, 0, 0])
 NOSE = sp.Matrix([0, s.COS, s.SIN])  # from the centre; the cushion pushes the other way
 FACE = sp.Matrix([0, -s.SIN, s.COS])  # up the cushion's face, at right angles to both
-LOWEST = sp.Matrix([0, 0, -1])
 
 VELOCITY = sp.Matrix([s.V_X, s.V_Y, 0])
 SPIN = sp.Matrix([s.O_X, s.O_Y, s.O_Z])
@@ -34,15 +32,10 @@ def reduce_angle(form: sp.Expr) -> sp.Expr:
     return form
 
 
-def slip_at(point: sp.Matrix) -> sp.Matrix:
-    """Velocity of a point of the ball: v + w x r."""
-    return VELOCITY + SPIN.cross(point)
-
-
 @cache
 def slips() -> Mapping[sp.Symbol, sp.Expr]:
     """The four slips as forms in the five velocities, m/s."""
-    nose, table = slip_at(NOSE), slip_at(LOWEST)
+    nose, table = (slip_at(VELOCITY, SPIN, point) for point in (NOSE, BOTTOM))
     forms = {
         s.C_X: nose.dot(ALONG),
         s.C_Z: nose.dot(FACE),
@@ -65,9 +58,9 @@ def table_force() -> sp.Expr:
 @cache
 def velocity_rates() -> Mapping[sp.Symbol, sp.Expr]:
     """Rates of all velocities per q, as forms in friction."""
-    nose, table = nose_impulse(), sp.Matrix([s.T_X, s.T_Y, 0])
-    linear = nose + table
-    angular = (NOSE.cross(nose) + LOWEST.cross(table)) / INERTIA
+    table = sp.Matrix([s.T_X, s.T_Y, 0])
+    contacts = Contact(NOSE, nose_impulse()), Contact(BOTTOM, table)
+    linear, angular = velocity_change(contacts), spin_change(contacts)
     rates = (linear[0], linear[1], *angular)
     named = zip(s.VELOCITIES, rates, strict=True)
     return MappingProxyType({velocity: reduce_angle(rate) for velocity, rate in named})

@@ -14,6 +14,7 @@ from types import MappingProxyType
 
 import sympy as sp
 
+from ...mechanics.linear import change_of
 from . import symbols as s
 from .contact import reduce_angle, slips, velocity_rates
 
@@ -25,10 +26,7 @@ FRICTION = (s.D_X, s.D_Z, s.T_X, s.T_Y)
 def slip_rates() -> Mapping[sp.Symbol, sp.Expr]:
     """Rates of the four slips per q, as forms in friction."""
     rates = velocity_rates()
-    found = {
-        name: reduce_angle(sum((sp.diff(form, v) * rate for v, rate in rates.items()), sp.S.Zero))
-        for name, form in slips().items()
-    }
+    found = {name: reduce_angle(change_of(form, rates)) for name, form in slips().items()}
     return MappingProxyType(found)
 
 

@@ -1,0 +1,1 @@
+"""Mechanics of a solid ball that is touched at some points, whatever touches it."""
