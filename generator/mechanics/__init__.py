@@ -1,1 +1,1 @@
-"""Mechanics of a solid ball that is touched at some points, whatever touches it."""
+"""Mechanics of a solid sphere that is touched at some points, whatever touches it."""

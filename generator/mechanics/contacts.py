@@ -1,4 +1,4 @@
-"""Slips at contacts, and what impulses there do to a ball.
+"""Slips at contacts, and what impulses there do to a solid sphere.
 
 A slip is v + w x r at a contact. An impulse J at the point r changes v by J/m and w by (r x J)/I
 with I = 2/5 m R^2. Lengths are in units of R, so that w x r is in m/s when w is carried as a spin
@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-INERTIA = sp.Rational(2, 5)  # solid ball, in units of m R^2
+INERTIA = sp.Rational(2, 5)  # solid sphere, in units of m R^2
 TOP = sp.Matrix([0, 0, 1])  # from the centre, in units of R
 BOTTOM = -TOP
 
 
 @dataclass(frozen=True)
 class Contact:
-    """A point of a ball, from its centre, and the impulse that it gets there."""
+    """A point of a sphere, from its centre, and the impulse that it gets there."""
 
     point: sp.Matrix
     impulse: sp.Matrix

@@ -1,7 +1,7 @@
 """Contact points, slips and velocity updates, from first principles.
 
-Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-11. What holds at any contact
-of a ball is in `mechanics`.
+Source: Mathavan, Jackson, Parkin, Sports Engineering 17 (2014), Eqs. 3-11. What holds at any
+contact of a ball is in `mechanics`.
 """
 
 from __future__ import annotations
