@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         ReportRequest,
         measure_plot,
         model_gaps,
+        plot_models,
         plot_text,
         read_plot,
         report,
@@ -49,8 +50,8 @@ _HOMES = {
     "listing": ("impacts", "models", "scenes", "targets", "variants"),
     "records": ("RefreshRequest", "export", "import_records", "merge", "refresh"),
     "reporting": (
-        *("Reported", "ReportRequest", "measure_plot", "model_gaps", "plot_text", "read_plot"),
-        *("report", "scene_costs"),
+        *("Reported", "ReportRequest", "measure_plot", "model_gaps", "plot_models", "plot_text"),
+        *("read_plot", "report", "scene_costs"),
     ),
     "request": ("Request",),
     "session": ("Listener", "Session", "Silent"),

@@ -7,15 +7,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 from ..choice.lookup import require_runs
 from ..errors import InputError
 from ..evidence.timing.bench_tool import build_bench_tool
 from ..impacts.ball_ball.models import find_model
 from ..impacts.ball_ball.scene import find_scene, scenes
+from ..registry.question import DEFAULT_IMPACT, find_impact
 from ..report.experiments.run import Order, run_experiments
 from ..report.experiments.subjects import calls, lanes_in, subjects
-from ..report.figures import model_gap, speed_error_svg
+from ..report.figures import speed_error_svg
+from ..report.figures.models import Drawn, models_picture
 from ..report.figures.scene_costs import PLAIN, SceneCost
 from ..report.figures.scene_costs import scene_costs as costs_of
 from ..report.figures.speed_error import SpeedError, measure_speed_error, speed_error_of
@@ -177,9 +180,17 @@ def read_plot(source: Path) -> SpeedError:
         raise InputError(f"{source}: not what gen plot wrote: {error}") from None
 
 
-def model_gaps(session: Session | None = None) -> dict[tuple[str, str], model_gap.Gap]:
-    """How far the contact models differ, by model and spin."""
-    return model_gap.model_gaps(build_bench_tool((session or Session()).cache))
+def model_gaps(session: Session | None = None) -> dict[tuple[str, str], Any]:
+    """How far the contact models of the default impact differ, by model and spin."""
+    tool = build_bench_tool((session or Session()).cache)
+    gaps: dict[tuple[str, str], Any] = tool.impact.part("picture").model_gaps(tool)
+    return gaps
+
+
+def plot_models(impact: str | None = None, session: Session | None = None) -> Drawn:
+    """How far the models of an impact differ: a picture, and what it shows in words."""
+    found = find_impact(impact or DEFAULT_IMPACT)
+    return models_picture(build_bench_tool((session or Session()).cache, impact=found))
 
 
 def scene_costs(

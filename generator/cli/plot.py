@@ -18,17 +18,18 @@ from .show import rows_of, session, show
 @click.option("--out", required=True, type=options.PLACE, help="an SVG file")
 @click.option("--models", is_flag=True, help="how far the contact models differ, instead of times")
 @click.option("--from", "source", type=options.PLACE, help="draw this JSON again")
+@options.IMPACT
 @options.TARGET
 @options.SCENE
 @options.MODEL
 @options.seconds(60.0, "all kernels", least=1)
-def plot(out: Path, models: bool, source: Path | None, **asked: Any) -> None:
+def plot(out: Path, models: bool, source: Path | None, impact: str, **asked: Any) -> None:
     """Draw time against error of fixed steps and exact steppers; its data goes beside as JSON."""
     if out.suffix != ".svg":
         raise InputError(f"{out}: expected the name of an SVG file, as plot.svg")
     require_place(out)
     if models:
-        _models(out)
+        _models(out, impact)
     elif source is not None:
         write_file(out, api.plot_text(api.read_plot(source))[0])
         click.echo(f"written: {out}")
@@ -47,15 +48,10 @@ def plot(out: Path, models: bool, source: Path | None, **asked: Any) -> None:
         click.echo(f"written: {out}, {data}")
 
 
-def _models(out: Path) -> None:
-    from ..report.figures.model_gap import draw
-
+def _models(out: Path, impact: str) -> None:
     with session() as told:
-        gaps = api.model_gaps(told)
-    write_file(out, draw(gaps))
-    for (model, spin), gap in gaps.items():
-        click.echo(
-            f"{model}, {spin}: velocities up to {gap.speed.max():.2f} % apart, the object ball's "
-            f"direction up to {abs(gap.direction).max():.3f} degrees"
-        )
+        drawn = api.plot_models(impact, told)
+    write_file(out, drawn.svg)
+    for line in drawn.lines:
+        click.echo(line)
     click.echo(f"written: {out}")

@@ -1,4 +1,7 @@
-"""How far the contact models differ: the same shots through the exact solution of each."""
+"""How far the contact models differ: the same shots through the exact solution of each.
+
+`picture(tool)` is what the report asks of this impact.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,8 @@ import numpy as np
 
 from ...evidence.timing.bench_tool import BenchTool
 from ...evidence.verification.errors import Array
-from ..drawing import COLOURS, figure, svg_of
+from ...report.drawing import COLOURS, figure, svg_of
+from ...report.figures.models import Drawn
 
 R, M, U_S, U_B, E_B = 0.028575, 0.170097, 0.2, 0.05, 0.95  # pool balls, 1.5 m/s
 SPEED = 1.5
@@ -74,3 +78,13 @@ def draw(gaps: dict[tuple[str, str], Gap]) -> str:
         left.legend()
         made.suptitle(f"{TITLE}\npool balls at {SPEED} m/s, u_b = {U_B}, u_s = {U_S}")
         return svg_of(made, TITLE)
+
+
+def picture(tool: BenchTool) -> Drawn:
+    gaps = model_gaps(tool)
+    lines = (
+        f"{model}, {spin}: velocities up to {gap.speed.max():.2f} % apart, the object ball's "
+        f"direction up to {abs(gap.direction).max():.3f} degrees"
+        for (model, spin), gap in gaps.items()
+    )
+    return Drawn(draw(gaps), tuple(lines))
