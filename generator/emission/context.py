@@ -52,6 +52,7 @@ class KernelHead:
     target: Target
     scene: BaseScene
     variant: Variant
+    refusal: tuple[str, str]  # of a compiler or architecture: a condition, and the error's words
     includes: tuple[str, ...]
     pragmas_begin: str
     pragmas_end: str

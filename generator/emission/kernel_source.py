@@ -55,6 +55,7 @@ def _head(variant: Variant, naming: Naming) -> KernelHead:
         target=target,
         scene=scene,
         variant=variant,
+        refusal=isa.refusal(target),
         includes=("limits", *isa.intrinsics_headers(target)),
         pragmas_begin=begin,
         pragmas_end=end,

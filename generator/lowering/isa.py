@@ -78,6 +78,20 @@ def pragmas(target: Target, contract: bool) -> tuple[str, str]:
     return "\n".join(begin), "\n".join(end)
 
 
+_ARCHITECTURES = {  # what compilers define for it, and its name in an error
+    "x86_64": ("__x86_64__", "x86-64"),
+    "aarch64": ("__aarch64__", "64-bit ARM"),
+    "wasm32": ("__wasm__", "WebAssembly"),
+}
+
+
+def refusal(target: Target) -> tuple[str, str]:
+    """When code for a target cannot be compiled, as a condition, and what an error says then."""
+    macro, name = _ARCHITECTURES[target.row.arch]
+    unfit = f"!(defined(__GNUC__) || defined(__clang__)) || !defined({macro})"
+    return unfit, f"This is for {name}, and for GCC or Clang (on Windows: clang-cl, MinGW)."
+
+
 def root_itself(real: str, newton: int = 0) -> Estimate:
     """In place of an estimate: the same on every CPU, since IEEE 754 says what it is."""
     one, error = ("1.0f", 2.0**-23) if real == "float" else ("1.0", 2.0**-52)

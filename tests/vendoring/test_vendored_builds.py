@@ -273,6 +273,18 @@ def test_the_typed_header_says_that_it_needs_cpp17(folder: Path, tmp_path: Path)
     assert done.returncode and "carom.hpp needs C++17: compile with -std=c++17" in first
 
 
+@pytest.mark.parametrize("other", ["-U__x86_64__", "-U__GNUC__"])
+def test_another_architecture_or_compiler_is_refused_in_one_line(tmp_path, other: str) -> None:
+    """As the preprocessor of such a compiler sees a kernel: what it is for, first of all."""
+    alone = vendored(tmp_path / "carom", request_for("x86-64-v2"))
+    kernel = next(alone.glob("carom_x86*.cpp"))
+    command = [PAIRS[0][0], "-std=c++17", "-fsyntax-only", other, "-I", alone, kernel]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    first = next(line for line in done.stderr.splitlines() if "error" in line)
+    print(first)
+    assert done.returncode and "This is for x86-64, and for GCC or Clang" in first
+
+
 @pytest.mark.parametrize("way", ["add_subdirectory", "find_package"])
 def test_cmake_carries_cpp17_to_cpp_consumers_and_asks_c_ones_for_nothing(
     folder: Path, tmp_path: Path, way: str
