@@ -137,7 +137,7 @@ def over_the_kernel() -> float:
 
 
 def main() -> int:
-    """Print the figures; 1 where they are not what README says of them."""
+    """Print the figures; 1 where they are not what docs/measurements.md says of them."""
     exact = batch_speeds({"max_error": 1e-6}, COLLISIONS)
     fixed = batch_speeds({"steps": 1000}, COLLISIONS)
     over = over_the_kernel()

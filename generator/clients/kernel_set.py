@@ -39,7 +39,7 @@ ARM_TARGETS = ("armv8",)
 WASM_TARGETS = ("wasm32",)
 BY_ARCHITECTURE = {"x86_64": TARGETS, "aarch64": ARM_TARGETS, "wasm32": WASM_TARGETS}
 # Ways of making 1/sqrt by the tightest budget that they are used for: what timing has chosen where
-# it has (README, "Exact kernels"). The module's tests verify each on all reference cases.
+# it has (docs/measurements.md). The module's tests verify each on all reference cases.
 _ROOTS = ((1e-3, "est0"), (1e-6, "est1"), (1e-9, "cubic"))
 COMMAND = "python -m generator.clients FOLDER"
 

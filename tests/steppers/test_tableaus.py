@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import math
+import pkgutil
 import re
 from collections.abc import Iterator
 from fractions import Fraction
@@ -12,6 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import generator.tableaus as tableau_room
 from generator.emission.kernel_source import emit
 from generator.evidence.timing.bench_tool import ROOT
 from generator.impacts.ball_ball.models import find_model
@@ -220,6 +223,18 @@ def variant_of_tableau(tableau: Tableau, budget: float, compiler: str) -> Varian
     made = make_variant(target.name, "any", "mathavan2014", stepper, 1, **options)
     assert broken_rule(made, target) is None
     return made
+
+
+def test_every_tableau_joins_the_list() -> None:
+    """Each that a module of generator/tableaus makes is one that can be asked for by name."""
+    rooms = pkgutil.iter_modules(tableau_room.__path__, f"{tableau_room.__name__}.")
+    values = [v for room in rooms for v in vars(importlib.import_module(room.name)).values()]
+    values += [each for value in values if isinstance(value, tuple) for each in value]
+    made = {id(value): value for value in values if isinstance(value, Tableau)}.values()
+    strangers = [tableau.name for tableau in made if TABLEAUS.get(tableau.name) is not tableau]
+    print(f"{len(made)} tableaus are made, {len(TABLEAUS)} have a name")
+    assert not strangers, f"{strangers}: join LOW_ORDERS, HIGH_ORDERS or TABLEAUS"
+    assert len(made) == len(TABLEAUS)
 
 
 @each_tableau
