@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import enum
 import pickle
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -82,6 +83,31 @@ def test_kernels_and_parameters_go_through_a_process_pool(tmp_path) -> None:
     script.write_text(POOL)
     libraries = [path for path in sys.path if path.endswith("site-packages")]
     assert run([sys.executable, script, site(), *libraries], timeout=120).strip() == "True"
+
+
+# ---- what is installed -----------------------------------------------------------------------
+
+
+def test_numpy_alone_is_needed_and_the_generator_is_an_extra() -> None:
+    metadata = next(site().glob("carom-*.dist-info/METADATA")).read_text("utf-8")
+    needs = re.findall(r"^Requires-Dist: (.*)$", metadata, re.MULTILINE)
+    plain = [need for need in needs if "extra ==" not in need]
+    print(f"{plain}; {len(needs) - len(plain)} for extras")
+    assert [need.split(">")[0] for need in plain] == ["numpy"]
+    assert any(need.startswith("sympy==") and "'gen'" in need.replace('"', "'") for need in needs)
+
+
+def test_gen_without_its_packages_says_in_one_line_how_to_get_them() -> None:
+    done = subprocess.run(
+        [sys.executable, "-S", "-m", "carom_gen", "list", "targets"],
+        env={"PYTHONPATH": str(site()), "PATH": ""},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    print(done.stderr)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+    assert "pip install 'carom[gen]'" in done.stderr
 
 
 # ---- types ------------------------------------------------------------------------------------
