@@ -1,7 +1,8 @@
 """Contact points, slips and velocity rates, from first principles.
 
 What holds at any contact of a ball is in `mechanics`. The ball touches the cushion's nose at the
-angle theta above its centre, sin theta = h/R - 1, and the table at its lowest point. Lengths are in units of R.
+angle theta above its centre, sin theta = h/R - 1, and the table at its lowest point. Lengths are in
+units of R.
 Source: Mathavan, Jackson, Parkin, Proc. IMechE C 224 (2010) 1863-1873, Eqs. 3-14.
 """
 
