@@ -27,7 +27,7 @@ STEPPERS = ("dp54",)  # with an interpolant of one term, on which events are met
 class Control:
     """Constants of the control of steps. Those that are lengths are shares of the error budget."""
 
-    tolerance: float = 0.08  # embedded error of a step
+    tolerance: float = 0.06  # embedded error of a step
     zero: float = 0.15  # a slip below it is none
     landed: float = 0.03  # how near to zero a slip that follows its balance counts as there
     stray: float = 0.1  # what following the balance may be off, summed, before the slip is stepped
@@ -39,8 +39,8 @@ class Control:
     reach: float = 0.8  # share of a slip that a step may remove
     head_on: float = 0.002  # what a step leaves of a slip that falls straight to zero
     aside: float = 4.0  # times the slip's angle off the straight way is left, too
-    turn_nose: float = 0.6  # angle by which a step may turn the nose's slip
-    turn_table: float = 1.0
+    turn_nose: float = 0.6  # radians by which a step may turn the slip at the nose
+    turn_table: float = 0.6  # of the slip on the table
     stable: float = 2.0  # of a step in the time in which friction returns a slip to its balance
     growth: float = 8.0  # times a slip that a step may add to it
     near: float = 0.3  # slips below are tried for following their balance
