@@ -27,11 +27,12 @@ STEPPERS = ("dp54",)  # with an interpolant of one term, on which events are met
 class Control:
     """Constants of the control of steps. Those that are lengths are shares of the error budget."""
 
-    tolerance: float = 0.06  # embedded error of a step
+    tolerance: float = 0.1  # embedded error of a step
+    sharing: float = 0.1  # by which each step before lessens the tolerance of one
     zero: float = 0.15  # a slip below it is none
     landed: float = 0.03  # how near to zero a slip that follows its balance counts as there
-    stray: float = 0.1  # what following the balance may be off, summed, before the slip is stepped
-    join: float = 0.1  # how far off its balance a slip may be for following it
+    stray: float = 0.04  # what following the balance may be off, summed, before the slip is stepped
+    join: float = 0.04  # how far off its balance a slip may be for following it
     driven: float = 1000.0  # times what a slip strays that the table drives on
     safe: float = 0.85  # share of the next step that the error's order allows
     least_factor: float = 0.15  # of one step to the next
@@ -62,7 +63,7 @@ class Control:
 def control_for(budget: float) -> Control:
     """Loose steps see less of what comes, so they keep further from it."""
     usual = Control()
-    return replace(usual, tolerance=0.05, stray=0.1, join=0.05) if budget > 1e-5 else usual
+    return replace(usual, tolerance=0.05) if budget > 1e-5 else usual
 
 
 @dataclass(frozen=True)
