@@ -107,6 +107,8 @@ def exact_candidates(
         for tableau in (tableaus[:1] if closed else tableaus)
         for root in _root_options(contest, closed, reproducible)
     ]
+    if contest.row.axes is None or "tiers" in contest.row.axes:
+        found += [v.with_options(tiers="fixed") for v in found]
     return [v for v in found if broken_rule(v, target) is None]
 
 

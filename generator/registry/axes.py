@@ -104,6 +104,13 @@ AXES: tuple[Axis, ...] = (
         ieee="sqrt and division, in the control of steps too: no estimate, the same on every CPU",
     ),
     _axis(
+        "tiers",
+        "what comes before the adaptive steps of single calls of an exact stepper",
+        "exact",
+        adaptive="nothing",
+        fixed="a few fixed steps, of those collisions that a certificate says they will do for",
+    ),
+    _axis(
         "fma",
         "fused multiply-add",
         "all",

@@ -10,7 +10,7 @@ from ..targets.target import Target
 from .lane_numbers import precision_of, steps_in_doubles
 from .lanes import widths_of
 from .roots import EXACT_ROOTS, allows, allows_floats
-from .tiers import has_bound, takes_tiers
+from .tiers import has_bound, takes_fixed_steps, takes_tiers
 from .variant import Variant
 
 
@@ -32,9 +32,9 @@ def _floats(v: Variant) -> bool:
     return v.get("numbers") == "float"
 
 
-def _tiers(v: Variant) -> bool:
+def _fixed(v: Variant, key: str) -> bool:
     """Are there fixed steps in front of the adaptive ones?"""
-    return v.get("lane_tiers", "adaptive") != "adaptive"
+    return v.get(key, "adaptive") != "adaptive"
 
 
 def _closed(v: Variant) -> bool:
@@ -237,21 +237,28 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "tiers-need-a-bound",
-        "no certificate of fixed steps is known for the model and the budget: use "
-        "lane_tiers=adaptive",
-        lambda v, _t: _tiers(v) and not has_bound(v.model, v.stepper.budget or 0.0),
+        "no certificate of fixed steps is known for the model and the budget: use tiers=adaptive "
+        "and lane_tiers=adaptive",
+        lambda v, _t: (
+            (_fixed(v, "tiers") or _fixed(v, "lane_tiers"))
+            and not has_bound(v.model, v.stepper.budget or 0.0)
+        ),
     ),
     Rule(
-        "tiers-need-a-plain-scene",
-        "fixed steps ask nothing of speeds or motions and know equal masses alone: use "
-        "lane_tiers=adaptive",
-        lambda v, _t: _tiers(v) and not takes_tiers(v.scene),
+        "tiers-need-equal-balls",
+        "fixed steps know equal masses in doubles, with table friction: use tiers=adaptive",
+        lambda v, _t: _fixed(v, "tiers") and not takes_fixed_steps(v.scene),
     ),
     Rule(
-        "tiers-are-in-floats",
+        "lane-tiers-need-a-plain-scene",
+        "fixed steps in lanes ask nothing of speeds or motions: use lane_tiers=adaptive",
+        lambda v, _t: _fixed(v, "lane_tiers") and not takes_tiers(v.scene),
+    ),
+    Rule(
+        "lane-tiers-are-in-floats",
         "the rounding that a certificate leaves room for is that of floats: use lanes of floats, "
         "or lane_tiers=adaptive",
-        lambda v, _t: _tiers(v) and not (_floats(v) and v.vectors == 1),
+        lambda v, _t: _fixed(v, "lane_tiers") and not (_floats(v) and v.vectors == 1),
     ),
     Rule(
         "lanes-fit-the-stack",

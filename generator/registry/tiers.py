@@ -12,11 +12,21 @@ def has_bound(model: str, budget: float) -> bool:
     return model in _LEAST and budget >= _LEAST[model]
 
 
+def takes_fixed_steps(scene: str) -> bool:
+    """Are a scene's equations those that certificates are known of?"""
+    known = find_scene(scene)
+    return (
+        known.equal_masses
+        and known.table_friction
+        and not known.level
+        and known.precision == "double"
+    )
+
+
 def takes_tiers(scene: str) -> bool:
-    """Do the fixed steps' checks cover what a scene refuses, and its equations what it allows?"""
+    """Do the checks of fixed steps in lanes cover what a scene refuses?"""
     known = find_scene(scene)
     restricted = (
         known.speed or known.spin_speed or known.object_ball != "any" or known.spin != "any"
     )
-    plain = known.equal_masses and known.table_friction and not known.makes_varied
-    return bool(plain and not restricted and known.precision == "double")
+    return takes_fixed_steps(scene) and not restricted and not known.makes_varied

@@ -22,6 +22,7 @@ from generator.tableaus.plain import BUTCHER_6
 from generator.targets.host import read_host
 from generator.targets.target import find_target
 from tests.steppers.test_tableaus import residual
+from tests.support.exact_kernels import built, exact_variant
 from tests.support.kernels import bench_tool, build_all
 
 BUDGETS = (1e-3, 1e-4, 1e-6, 9e-7, 1e-9)
@@ -99,13 +100,26 @@ def test_fixed_steps_are_as_exact_as_adaptive_ones() -> None:
     tool, variants = bench_tool(), _variants()
     cases = tool.make_cases(31, 20000, mixed=False)
     want = tool.expect(cases.rows, "exact", "mathavan2014")
-    for variant, built in zip(variants, build_all(variants), strict=True):
-        assert not isinstance(built, KernelError), built
-        got = tool.run_kernel(built.path, cases.rows, batch=True)
+    for variant, library in zip(variants, build_all(variants), strict=True):
+        assert not isinstance(library, KernelError), library
+        got = tool.run_kernel(library.path, cases.rows, batch=True)
         relative = errors_of(cases.rows, got, want).relative
         worst = int(np.argmax(relative))
         print(f"{variant.recipe}: {relative[worst]:.2g} ({cases.kinds[worst]})")
         assert relative[worst] <= 1e-6
+
+
+@pytest.mark.parametrize("compiler", ("gcc", "clang"))
+def test_fixed_steps_of_single_calls_hold_the_budget(compiler: str) -> None:
+    tool = bench_tool()
+    made = exact_variant("mathavan2014", 1e-6, compiler).with_options(tiers="fixed")
+    cases = tool.make_cases(32, 20000, mixed=False)
+    want = tool.expect(cases.rows, "exact", "mathavan2014")
+    got = tool.run_kernel(built([made])[0], cases.rows)
+    relative = errors_of(cases.rows, got, want).relative
+    worst = int(np.argmax(relative))
+    print(f"{made.recipe}: {relative[worst]:.2g} ({cases.kinds[worst]})")
+    assert relative[worst] <= 1e-6
 
 
 def test_only_floats_in_plain_scenes_take_them() -> None:
@@ -117,8 +131,8 @@ def test_only_floats_in_plain_scenes_take_them() -> None:
     cases = {
         "": in_floats,
         "tiers-need-a-bound": in_floats.moved(model="bottom_slip"),
-        "tiers-need-a-plain-scene": in_floats.moved(scene="break"),
-        "tiers-are-in-floats": made.with_options(lane_tiers="fixed"),
+        "lane-tiers-need-a-plain-scene": in_floats.moved(scene="break"),
+        "lane-tiers-are-in-floats": made.with_options(lane_tiers="fixed"),
     }
     for name, variant in cases.items():
         rule = broken_rule(variant, target)

@@ -90,7 +90,7 @@ _ROWS: tuple[_Row, ...] = (
     _Row(
         ContactTerms("bottom", lift=True),
         1e-6,
-        Bound(4e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE)),
+        Bound(2.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE)),
     ),
 )
 

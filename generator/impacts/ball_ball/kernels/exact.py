@@ -26,7 +26,7 @@ def exact_parts(variant: Variant, target: Target) -> KernelParts:
     refuse_lanes(variant)
     lanes = lanes_of(variant, target)
     counts = exact.level.after.counts + _CLOSED if scene.level else exact.counts
-    tiers = _tiers(variant)
+    tiers = _tiers(variant, "lane_tiers")
     if tiers and exact.batch:
         exact = replace(exact, batch=replace(exact.batch, entry="collide_adaptively"))
     return KernelParts(
@@ -34,7 +34,12 @@ def exact_parts(variant: Variant, target: Target) -> KernelParts:
         batch_template=_batch(scene, tiers),
         counts=counts,
         contract=_closed_contract(counts) if scene.level else _contract(exact, scene, lanes),
-        shown={"x": exact, "single": exact, **({"t": tiers} if tiers else {})},
+        shown={
+            "x": exact,
+            "single": exact,
+            "fixed": _tiers(variant, "tiers"),
+            **({"t": tiers} if tiers else {}),
+        },
         lanes=lanes,
     )
 
@@ -45,9 +50,9 @@ def _core(scene: Scene) -> str:
     return "exact/single.j2" if scene.table_friction else "exact/free.j2"
 
 
-def _tiers(variant: Variant) -> TierContext | None:
-    """The fixed steps in front of the adaptive ones, where a variant has them in lanes."""
-    if variant.get("lane_tiers", "adaptive") == "adaptive":
+def _tiers(variant: Variant, axis: str) -> TierContext | None:
+    """The fixed steps in front of the adaptive ones, of calls or in lanes; None: there are none."""
+    if variant.get(axis, "adaptive") == "adaptive":
         return None
     return tier_context(find_model(variant.model).terms, variant.stepper.budget or 0.0)
 
