@@ -292,7 +292,9 @@ Draft tiny_slips(Random& rng) {
   const double size = rng.decades(-18, -8) * d.vy;
   d.set_slips(size * x, size * z, rng.uniform(-1, 1) * d.vy);
   if (rng.chance(0.5)) return d;
-  d.roll(1);  // at the table in place of the nose
+  // At the table in place of the nose, pressed: a table that pulls drives a slip on as it is.
+  d.p.u_w = std::min(d.p.u_w, 0.95 * d.sine() / d.cosine());
+  d.roll(1);
   d.sx += size * x;
   d.sy += size * z;
   return d;

@@ -39,8 +39,10 @@ class ExactImpact {
         mode_{u_w == 0 ? Contact::kNoFriction : Contact::kSlips,
               u_s == 0 ? Contact::kNoFriction : Contact::kSlips} {
     std::copy(start.begin(), start.end(), y_.begin());
-    set_slip(kCushionX, contacts.cushion_slip(start));
-    set_slip(kTableX, contacts.table_slip(start));
+    Real most = 0;
+    for (const Real& v : start) most = std::max(most, absolute(v));
+    set_slip(kCushionX, meant(contacts.cushion_slip(start), most));
+    set_slip(kTableX, meant(contacts.table_slip(start), most));
   }
 
   void run() {
@@ -70,6 +72,12 @@ class ExactImpact {
   static constexpr Real kNoise = 64 * kEps;  // of a press, a cone's reserve
   static constexpr int kMaxSteps = 40000;
 
+  /// A slip that the rounding of the velocities to doubles could have made is none: where the table
+  /// pulls, its direction would decide all that follows.
+  static Pair<Real> meant(Pair<Real> slip, Real largest_speed) {
+    constexpr Real kRounding = epsilon<double>();
+    return size_of(slip) <= 2 * kRounding * largest_speed ? Pair<Real>{0, 0} : slip;
+  }
   Pair<Real> c() const { return cushion_slip(y_); }
   Pair<Real> s() const { return table_slip(y_); }
   void set_slip(int first, Pair<Real> slip) {

@@ -129,8 +129,9 @@ TEST(BallCushionOracle, GivesTheReferenceWhereTheTableOnlyPushes) {
   EXPECT_LE(worst, kDigits);
 }
 
-// As the paper prints it, the table pulls where N < 0: a slip there that is zero but for rounding
-// grows the way that rounding points. Only there may results differ.
+// As the paper prints it, the table pulls where N < 0: a slip there grows the way it points,
+// however small it is. One that rounding may have made counts as none; only where it is hardly more
+// may results differ.
 TEST(BallCushionOracle, GivesTheReferenceAsPrinted) {
   const auto cases = read_cases();
   const auto clamped = read_rows("exact.csv"), printed = read_rows("exact_printed.csv");
@@ -151,7 +152,7 @@ TEST(BallCushionOracle, GivesTheReferenceAsPrinted) {
   }
   std::cout << "printed: " << worst << " of the largest speed; no unique answer:" << free << '\n';
   EXPECT_LE(worst, kDigits);
-  EXPECT_LE(std::count(free.begin(), free.end(), ' '), 20);
+  EXPECT_LE(std::count(free.begin(), free.end(), ' '), 1);
 }
 
 // The paper's Fig. 12: 2 m/s at 45 degrees with side spin 2V/R and top spin 1.5V/R. Read off: .432
