@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from ..impacts.ball_ball.scene import find_scene
 
-_LEAST = {"mathavan2014": 1e-6}  # the tightest budget of a model's certificates
+_LEAST = {
+    "mathavan2014": 1e-6,
+    "bottom_slip": 1e-6,
+}  # the tightest budget of a model's certificates
 
 
 def has_bound(model: str, budget: float) -> bool:

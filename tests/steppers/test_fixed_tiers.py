@@ -130,7 +130,7 @@ def test_only_floats_in_plain_scenes_take_them() -> None:
     in_floats = made.in_lanes(16, numbers="float", interleave="s2", lane_tiers="fixed")
     cases = {
         "": in_floats,
-        "tiers-need-a-bound": in_floats.moved(model="bottom_slip"),
+        "tiers-need-a-bound": in_floats.moved(model="pooltool"),
         "lane-tiers-need-a-plain-scene": in_floats.moved(scene="break"),
         "lane-tiers-are-in-floats": made.with_options(lane_tiers="fixed"),
     }

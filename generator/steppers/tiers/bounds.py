@@ -19,7 +19,7 @@ class Term:
     weight: float
     reach: int = 0  # of the way to sticking
     near: int = 0  # to a passage of the table slip by zero
-    turning: bool = False  # weighed by |c_x| / |c|, else by u_s
+    turning: bool = False  # weighed by (k_x - k_z) |c_x| / |c|, else by u_s
 
 
 @dataclass(frozen=True)
@@ -86,12 +86,11 @@ _TWO_A_PHASE = Tier(
     most_near=0.9,
 )
 
+_FOR_1E6 = Bound(2.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE))
+
 _ROWS: tuple[_Row, ...] = (
-    _Row(
-        ContactTerms("bottom", lift=True),
-        1e-6,
-        Bound(2.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE)),
-    ),
+    _Row(ContactTerms("bottom", lift=True), 1e-6, _FOR_1E6),
+    _Row(ContactTerms("bottom", lift=False), 1e-6, _FOR_1E6),
 )
 
 

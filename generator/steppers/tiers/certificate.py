@@ -20,6 +20,7 @@ from ...lowering.lane_algebra import (
     select,
     smaller,
 )
+from ..exact.lengths import times
 from ..exact.pressed import Pressed
 from .bounds import Bound, Term
 from .whole import PRINTER, Text
@@ -66,7 +67,7 @@ def certificate(bound: Bound, pressed: Pressed) -> Text:
     whole = fma(n_0, per_0, n_1 * per_1)
     near_0 = lines.number("near_0", n_b * per_b * q * rough_inverse(whole))
     lines.number("near", select(mask("rests"), 0, near_0))
-    _known(lines, bound)
+    _known(lines, bound, pressed)
     return lines.part()
 
 
@@ -82,12 +83,12 @@ def _set_off(lines: Lines, b_x: Number, b_y: Number) -> None:
     lines.set(at.s_y, select(rests, little * b_y, s_y))
 
 
-def _known(lines: Lines, bound: Bound) -> None:
+def _known(lines: Lines, bound: Bound, pressed: Pressed) -> None:
     """A mask `tier<n>` for each tier: would it be exact enough?"""
     per_c, near_3 = number("per_c"), number("near_3")
     lines.number("reach_3", _cube(number("reach")))
     lines.number("near_3", _cube(number("near")))
-    lines.number("n_x", absolute(number("slips.c_x")) * per_c)
+    lines.number("n_x", times(pressed.k_x - pressed.k_z, absolute(number("slips.c_x"))) * per_c)
     rubbed = number("u_s") * number("u_b") <= bound.most_friction
     lines.number("room", bound.error * number("relative"))
     scale = lines.number("rubs", number("push") * number("q"))
