@@ -128,9 +128,11 @@ def test_only_floats_in_plain_scenes_take_them() -> None:
         "x86-64-v4", "any", "mathavan2014", Exact("dp54", budget=1e-6), 8, fma="fma"
     )
     in_floats = made.in_lanes(16, numbers="float", interleave="s2", lane_tiers="fixed")
+    alone = made.in_lanes(1).with_options(root="inv", tiers="fixed")
     cases = {
         "": in_floats,
-        "tiers-need-a-bound": in_floats.moved(model="pooltool"),
+        "tiers-need-a-bound": alone.moved(model="pooltool"),
+        "tiers-need-equal-balls": alone.moved(scene="unequal"),
         "lane-tiers-need-a-plain-scene": in_floats.moved(scene="break"),
         "lane-tiers-are-in-floats": made.with_options(lane_tiers="fixed"),
     }
