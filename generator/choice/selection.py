@@ -21,7 +21,9 @@ ChosenBy = Literal["timing", "records", "llvm-mca", "default"]  # records: timed
 class Selected(BaseModel):
     """One kernel that was chosen, and on what grounds."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, populate_by_name=True, serialize_by_alias=True
+    )
 
     question: str
     recipe: str  # compiler and flags, too
@@ -111,7 +113,7 @@ class Selection(BaseModel):
         return self.model_copy(update={"kernels": ordered})
 
     def text(self) -> str:
-        return json.dumps(self.model_dump(mode="json", by_alias=True), indent=2) + "\n"
+        return json.dumps(self.model_dump(mode="json"), indent=2) + "\n"
 
 
 def batch_rank(entry: Selected) -> tuple[float, int]:

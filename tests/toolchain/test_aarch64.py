@@ -157,7 +157,7 @@ def test_exact_kernels_are_chosen_by_what_they_execute_under_emulation(runner, m
         )
         assert entry.chosen_by == "llvm-mca" and entry.measured_on == TARGET.row.mca_cpu
         assert entry.goal.budget == 1e-6 and entry.max_rel_error <= 1e-6
-        assert entry.ratio_ci is None
+        assert entry.interval is None
         assert entry.ratio_to_baseline is not None and 0 < entry.ratio_to_baseline < 0.2
         assert chosen.model.cases > 0 and chosen.verdict.cases > 1000
     assert choice.chosen.variant.stepper.name == "dp54"
