@@ -48,12 +48,12 @@ def _header() -> str:
 
 def _typed() -> str:
     """What carom.hpp declares; a function's body is no part of it."""
-    text = (ROOT / "templates" / "vendor" / "typed.hpp.j2").read_text("utf-8")
+    text = (ROOT / "templates" / "ball_ball" / "typed.hpp.j2").read_text("utf-8")
     text = text[text.index("struct Vector {") : text.index("}  // namespace")]
     text = re.sub(r"^\{% else %\}\n(.*\n)*?\{% endif %\}\n", "", text, flags=re.MULTILINE)
     text = re.sub(r"^\{%.*%\}\n", "", text, flags=re.MULTILINE)
     text = re.sub(r"^// \{%.*\n", "", text, flags=re.MULTILINE)
-    text = text.replace(" {{ v.u_b_text }};", " `u_b` may be empty and")
+    text = text.replace(" {{ v.varied_text }};", " `u_b` may be empty and")
     text = re.sub(
         r"(^inline .*?noexcept) \{(?: [^\n]*|.*?\n)\}$",
         r"\1;",

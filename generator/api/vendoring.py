@@ -52,6 +52,7 @@ class VendorOptions:
                 self.prefix,
                 self.single_header,
                 self.reproducible,
+                self.impact,
             )
         )
 
@@ -73,7 +74,7 @@ def vendor(options: VendorOptions, out: Path, session: Session | None = None) ->
     session, request = session or Session(), options.checked()
     require_replaceable(out, edited_too=options.force)
     chosen = {name: _kernels(request, name, options.seconds, session) for name in request.targets}
-    with session.workbench() as bench:
+    with session.workbench(impact=find_impact(request.impact)) as bench:
         files = all_files(request, chosen, bench.tool)
     with staged(out) as folder:
         write_files(folder, files)
@@ -86,8 +87,8 @@ def verify_vendored(folder: Path, session: Session | None = None) -> Comparison:
     Raises InputError where it is no vendored folder.
     """
     session = session or Session()
-    read_manifest(folder)
-    with session.workbench() as bench:
+    impact = find_impact(read_manifest(folder).options.impact)
+    with session.workbench(impact=impact) as bench:
         return compare(folder, _places(session), bench.tool)
 
 
@@ -103,5 +104,6 @@ def _kernels(
     if (stored := stored_kernels(places, request, target)) is not None:
         return stored
     row, own = find_target(target), request.reproducible
-    with session.workbench(target=row, reproducible=own) as bench:
+    impact = find_impact(request.impact)
+    with session.workbench(target=row, reproducible=own, impact=impact) as bench:
         return kernels_for(places, request, target, bench, read_host(), seconds)

@@ -143,6 +143,7 @@ class Impact:
     functions: Functions
     statuses: tuple[Status, ...]
     ends: str  # what ends the collision
+    relative_to: str  # what errors are relative to
     default_model: str
     has_kernels: bool  # do emission and the steppers make kernels of it?
     model_table: Callable[[], tuple[Model, ...]] = field(repr=False)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..impacts.impact import Functions
 from ..lowering.isa import compiled_features
-from ..registry.question import DEFAULT_IMPACT, find_impact, symbol_of
+from ..registry.question import find_impact, symbol_of
 from ..targets.host import KNOWN_CPUS, KnownCpu
 from ..targets.target import Target, find_target, targets
 from .request import VendorRequest
@@ -59,6 +59,15 @@ class Exports:
     def varied(self) -> str:
         return self.abi.varied
 
+    @property
+    def replaced(self) -> tuple[int, ...]:
+        """The arrays of a batch that each that it gives replaces."""
+        return tuple(
+            self.abi.first_in(result.body) + result.first + column
+            for result in self.abi.results
+            for column in range(result.changed)
+        )
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -93,6 +102,7 @@ class DispatchContext:
     prefix: str
     upper: str
     fixed_step: bool
+    outer: Exports  # the functions that users call
     units: tuple[Unit, ...]
     features: tuple[Feature, ...]
     known: tuple[Preference, ...]
@@ -148,7 +158,7 @@ def dispatch_context(
 ) -> DispatchContext:
     """Everything that the dispatcher's text shows. `batches`: targets with a kernel for batches."""
 
-    abi = find_impact(DEFAULT_IMPACT).functions
+    abi = find_impact(request.impact).functions
 
     def functions(name: str, batch: bool) -> Exports:
         symbol = f"{request.prefix}_{unit_of(name, batch)}"
@@ -171,6 +181,7 @@ def dispatch_context(
         prefix=request.prefix,
         upper=request.prefix.upper(),
         fixed_step=request.fixed_step,
+        outer=Exports(request.prefix, request.prefix, request.fixed_step, abi),
         units=units,
         features=tuple(_feature(name) for name in used),
         known=tuple(p for cpu in KNOWN_CPUS if (p := _preference(cpu, order)) is not None),

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..evidence.timing.bench_tool import BenchTool
-from ..impacts.ball_ball.scene import find_scene
 from .folder import HandChange, hand_changes
 from .golden import golden_rows
 from .kernels import Places, TargetKernels, stored_kernels
@@ -40,7 +39,7 @@ def all_files(
     request: VendorRequest, chosen: Mapping[str, TargetKernels], tool: BenchTool
 ) -> dict[str, str]:
     """Names and texts of all files, the manifest last."""
-    rows = golden_rows(tool, find_scene(request.scene), request.model, request.goal)
+    rows = golden_rows(tool, request.known_scene, request.model, request.goal)
     files = package_files(request, chosen, rows)
     kernels = {target: _record(request, target, chosen[target]) for target in request.targets}
     manifest = make_manifest(request, kernels, len(rows), files)

@@ -19,7 +19,7 @@ from ..choice.selection import FILE, Selected, Selection, batch_rank, place_of
 from ..choice.workbench import Workbench
 from ..errors import KernelError
 from ..files import write_file
-from ..registry.question import DEFAULT_IMPACT, Contest, Goal
+from ..registry.question import Contest, Goal
 from ..registry.variant import Variant, fixed_steps
 from ..targets.host import Host
 from ..targets.target import Target, find_target
@@ -40,10 +40,10 @@ class Places:
         apart = self.cache / "reproducible"
         return Places(apart, apart)
 
-    def folders(self, target: str, scene: str) -> tuple[Path, ...]:
+    def folders(self, target: str, scene: str, impact: str) -> tuple[Path, ...]:
         """Where a selection may lie, the one that counts first."""
         roots = (self.generated, self.cache)
-        return tuple(place_of(r, name, scene) for r in roots for name in (target, "native"))
+        return tuple(place_of(r, name, scene, impact) for r in roots for name in (target, "native"))
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def stored_kernels(places: Places, request: VendorRequest, target: str) -> Targe
 
 def _find(places: Places, request: VendorRequest, target: str, goal: Goal) -> list[Selected]:
     """The entries for a goal in the first folder that has any for single calls."""
-    for folder in places.of(request).folders(target, request.scene):
+    for folder in places.of(request).folders(target, request.scene, request.impact):
         selection = checked_selection(folder)
         if selection is None or selection.resolved != target:
             continue
@@ -113,7 +113,7 @@ def _chosen(
 ) -> TargetKernels:
     """By the main job's rules, fixed steps at N = 1000: for single calls, then for batches."""
     goal = Goal(steps=STEPS) if request.goal.budget is None else request.goal
-    held = (DEFAULT_IMPACT, target.name, request.scene, request.model)
+    held = (request.impact, target.name, request.scene, request.model)
     contest = Contest(*held, goal, "scalar")
     singles = hold(bench, contest, host, seconds)
     lanes = hold_batches(bench, singles, host, seconds)
@@ -168,9 +168,9 @@ def _errors_of(
 
 
 def _store(places: Places, request: VendorRequest, target: str, made: TargetKernels) -> None:
-    folder = place_of(places.of(request).cache, target, request.scene)
+    folder = place_of(places.of(request).cache, target, request.scene, request.impact)
     selection = checked_selection(folder) or Selection(
-        impact=DEFAULT_IMPACT, target=target, resolved=target, scene=request.scene, kernels=[]
+        impact=request.impact, target=target, resolved=target, scene=request.scene, kernels=[]
     )
     entries = [entry for entry in (made.single, made.batch) if entry is not None]
     write_file(folder / FILE, selection.with_entries(entries).text(), parents=True)

@@ -21,8 +21,9 @@ from ..choice.cases import VERIFY_RANDOM, VERIFY_SEED
 from ..choice.selection import Selected
 from ..emission.banner import LICENCE
 from ..errors import InputError
-from ..impacts.ball_ball.scene import find_scene
-from ..registry.question import Goal
+from ..evidence.verification.evidence import evidence_of
+from ..evidence.verification.reference import load_reference
+from ..registry.question import DEFAULT_IMPACT, Goal, find_impact
 from .kernels import TargetKernels
 from .request import VendorRequest, checked
 
@@ -44,6 +45,7 @@ class Options(_Strict):
     prefix: str
     single_header: bool
     reproducible: bool = False
+    impact: str = DEFAULT_IMPACT
 
     @model_serializer(mode="wrap")
     def _without_default(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -51,6 +53,8 @@ class Options(_Strict):
         document: dict[str, Any] = serialise(self)
         if not self.reproducible:
             del document["reproducible"]
+        if self.impact == DEFAULT_IMPACT:
+            del document["impact"]
         return document
 
 
@@ -96,7 +100,14 @@ class Manifest(_Strict):
         goal = Goal(o.steps, o.max_error)
         return checked(
             VendorRequest(
-                o.targets, o.scene, o.model, goal, o.prefix, o.single_header, o.reproducible
+                o.targets,
+                o.scene,
+                o.model,
+                goal,
+                o.prefix,
+                o.single_header,
+                o.reproducible,
+                o.impact,
             )
         )
 
@@ -138,6 +149,7 @@ def make_manifest(
             prefix=request.prefix,
             single_header=request.single_header,
             reproducible=request.reproducible,
+            impact=request.impact,
         ),
         error=_error(request),
         kernels=tuple(kernels[target] for target in request.targets),
@@ -149,8 +161,10 @@ def make_manifest(
 
 
 def _error(request: VendorRequest) -> ErrorBound:
-    cases = "950 cases of tests/data/reference"
-    if not find_scene(request.scene).unrestricted:
+    evidence = evidence_of(find_impact(request.impact))
+    known = load_reference(evidence.reference)
+    cases = f"{len(known.ids)} cases of tests/data/{evidence.reference.folder.name}"
+    if not request.known_scene.unrestricted:
         cases += ", moved into the scene,"
     seen = f"the {cases} and {VERIFY_RANDOM} random ones (seed {VERIFY_SEED})"
     if request.goal.budget is None:
@@ -163,7 +177,7 @@ def _error(request: VendorRequest) -> ErrorBound:
         )
     return ErrorBound(
         bound=request.goal.budget,
-        of="the relative speed |v1 - v2| before, each component of v and R w",
+        of=f"{find_impact(request.impact).relative_to} before, each component of v and R w",
         against="the exact solution of the contact model",
         found=f"verification on {seen} against the exact solver of tests/oracle; max_rel_error is "
         "the largest of them, a lower bound of the largest there is (docs/accuracy.md)",

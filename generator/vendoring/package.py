@@ -15,15 +15,16 @@ from ..emission.formatting import format_source
 from ..emission.header import HeaderUse, emit_header
 from ..emission.kernel_source import emit
 from ..emission.parameters import fields_of
-from ..impacts.ball_ball.models import find_model
-from ..impacts.ball_ball.row import BALL_BALL
-from ..impacts.ball_ball.scene import Scene, find_scene
+from ..impacts.impact import Functions, Impact
+from ..impacts.scene import BaseScene
+from ..registry.question import find_impact
 from ..toolchain.flags import STRICT
 from .dispatch import dispatch_context, guard_of, is_mixed, unit_of
 from .golden import GoldenRow
 from .kernels import TargetKernels
 from .request import VendorRequest
 
+_OF_IMPACT = ("typed.hpp",)  # templates that each impact has for itself
 _MACRO = re.compile(r"^#define (\w+)", re.MULTILINE)
 
 
@@ -32,7 +33,7 @@ class PackageContext:
     """What the templates in templates/vendor may see, the dispatcher's apart."""
 
     request: VendorRequest
-    scene: Scene
+    scene: BaseScene
     rows: tuple[GoldenRow, ...]
     sources: tuple[str, ...]
     dispatched: bool
@@ -82,27 +83,49 @@ class PackageContext:
 
     @property
     def fields(self) -> tuple[Field, ...]:
-        return fields_of(BALL_BALL, self.scene).given
+        return fields_of(self.impact, self.scene).given
 
     @property
-    def u_b_text(self) -> str:
-        if self.scene.friction_law == "alciatore":
-            return "`u_b` must be empty: the kernel makes it"
-        return "`u_b` may be empty: then the parameters decide"
+    def impact(self) -> Impact:
+        return find_impact(self.request.impact)
+
+    @property
+    def abi(self) -> Functions:
+        return self.impact.functions
+
+    @property
+    def symbol(self) -> str:
+        return self.prefix
+
+    @property
+    def varied(self) -> str:
+        return self.abi.varied
+
+    @property
+    def speeds(self) -> tuple[int, ...]:
+        """Which numbers of the bodies are speeds."""
+        before = len(self.impact.columns.parameters)
+        return tuple(column - before for column in self.impact.columns.speeds)
+
+    @property
+    def varied_text(self) -> str:
+        if self.scene.makes_varied:
+            return f"`{self.varied}` must be empty: the kernel makes it"
+        return f"`{self.varied}` may be empty: then the parameters decide"
 
     @property
     def goal_text(self) -> str:
         goal = self.request.goal
         if goal.budget is None:
             return f"by {goal.steps} fixed steps"
-        return f"exact to {goal.budget:g} of the relative speed"
+        return f"exact to {goal.budget:g} of {self.impact.relative_to}"
 
     @property
     def description(self) -> str:
-        model = find_model(self.request.model).name
+        model, scene = self.request.model, self.scene.name
         return (
-            f"Frictional collision of two billiard balls: contact model {model}, scene "
-            f"{self.scene.name}, {self.goal_text}."
+            f"Frictional collision of {self.impact.text}: contact model {model}, scene {scene}, "
+            f"{self.goal_text}."
         )
 
     @property
@@ -145,8 +168,8 @@ def package_files(
             request, "dispatch.cpp", "//", "a.cpp", d=dispatch_context(request, batches)
         )
     use = HeaderUse(fixed_step=request.fixed_step, dispatched=dispatched)
-    scene = find_scene(request.scene)
-    header = emit_header(BALL_BALL, scene, request.prefix, request.command, use)
+    scene = request.known_scene
+    header = emit_header(find_impact(request.impact), scene, request.prefix, request.command, use)
     context = PackageContext(request, scene, rows, tuple(units), dispatched)
     files = {
         "LICENSE": environment().get_template("vendor/LICENSE.j2").render(),
@@ -218,6 +241,7 @@ def _page(
 ) -> str:
     """A template filled, with the banner on top; `formatted_as`: a file name for clang-format."""
     made_for = {"package": f"{request.prefix}, scene {request.scene}, model {request.model}"}
-    page = f"vendor/{template}.j2"
+    own = find_impact(request.impact).folder if template in _OF_IMPACT else "vendor"
+    page = f"{own}/{template}.j2"
     text = bannered(page, values, Banner(made_for, request.command, (repr(request),), comment))
     return format_source(text, formatted_as) if formatted_as else text

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
+from ..choice.candidates import candidates_of
 from ..errors import InputError
-from ..impacts.ball_ball.models import find_model
-from ..impacts.ball_ball.scene import Scene, find_scene
-from ..registry.question import Goal
-from ..steppers.exact.budgets import plan_for
+from ..impacts.impact import Impact
+from ..impacts.scene import BaseScene
+from ..registry.question import DEFAULT_IMPACT, Goal, find_impact
 from ..targets.target import find_target
 
 _PREFIX = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
@@ -37,6 +37,11 @@ class VendorRequest:
     prefix: str = "carom"
     single_header: bool = False
     reproducible: bool = False  # the same bits on every CPU of an instruction set
+    impact: str = DEFAULT_IMPACT
+
+    @property
+    def known_scene(self) -> BaseScene:
+        return find_impact(self.impact).find_scene(self.scene)
 
     @property
     def command(self) -> str:
@@ -45,8 +50,9 @@ class VendorRequest:
         goal = goal or f"--max-error {self.goal.budget!r}"
         single = " --single-header" if self.single_header else ""
         single += " --reproducible" if self.reproducible else ""
+        impact = "" if self.impact == DEFAULT_IMPACT else f" --impact {self.impact}"
         return (
-            f"./gen vendor --target {','.join(self.targets)} --scene {self.scene} "
+            f"./gen vendor --target {','.join(self.targets)}{impact} --scene {self.scene} "
             f"--model {self.model} {goal} --prefix {self.prefix}{single} --out DIR"
         )
 
@@ -83,28 +89,30 @@ def checked(asked: VendorRequest) -> VendorRequest:
 
     Raises InputError naming the option that cannot be.
     """
-    known, goal = find_scene(asked.scene), asked.goal
+    impact = find_impact(asked.impact)
+    known, goal = impact.find_scene(asked.scene), asked.goal
     if goal.steps is not None and goal.budget is not None:
         raise InputError("--steps and --max-error exclude each other: name one of them")
     if goal.steps is None:
         budget = goal.budget if goal.budget is not None else known.max_error
         goal = Goal(budget=budget)
-        plan_for(budget)
+        candidates_of(impact).tableaus_for(budget)
         known.require_budget(budget)
     elif not known.fixed_steps:
         raise InputError(f"--steps: scene {asked.scene} has no fixed-step scheme; use --max-error")
     if asked.reproducible:
-        _require_reproducible(asked.targets, known)
-    model = find_model(asked.model or known.model).name
+        _require_reproducible(asked.targets, impact, known)
+    model = impact.find_model(asked.model or known.model).name
     return replace(asked, model=model, goal=goal, prefix=checked_prefix(asked.prefix))
 
 
-def _require_reproducible(targets: tuple[str, ...], scene: Scene) -> None:
+def _require_reproducible(targets: tuple[str, ...], impact: Impact, scene: BaseScene) -> None:
     """Raise InputError where not every CPU that runs the folder can give the same bits."""
-    if scene.friction_law != "given":
+    if scene.makes_varied:
+        varied = impact.functions.varied
         raise InputError(
-            f"--reproducible: scene {scene.name} makes u_b by the C library's exp, whose last bit "
-            "differs from one to another; expected a scene whose u_b is given"
+            f"--reproducible: scene {scene.name} makes {varied} by the C library's exp, whose last "
+            f"bit differs from one to another; expected a scene whose {varied} is given"
         )
     arches = [find_target(name).row.arch for name in targets]
     if len(set(arches)) < len(arches):

@@ -165,7 +165,7 @@ def test_golden_vectors_agree_with_the_reference(model) -> None:
     reference = load_reference()
     worst = 0.0
     for row in rows:
-        balls = [float.fromhex(x) for x in row.balls]
+        balls = [float.fromhex(x) for x in row.bodies]
         (index,) = np.flatnonzero((reference.cases[:, 6:] == balls).all(axis=1))
         assert row.kind == reference.kinds[index]
         want = [float.fromhex(x) for x in row.want]
@@ -180,7 +180,7 @@ def test_golden_vectors_of_fixed_steps_stay_when_inputs_are_rounded_otherwise() 
     """A loop that ends on a comparison flips by a step where rounding decides it: not these."""
     tool, model = bench_tool(), "pooltool"
     rows = golden_rows(tool, find_scene("any"), model, STEPS)
-    cases = np.array([[float.fromhex(x) for x in (*row.params, *row.balls)] for row in rows])
+    cases = np.array([[float.fromhex(x) for x in (*row.params, *row.bodies)] for row in rows])
     want = tool.expect(cases, "euler", model, 1000)
     moved = cases.copy()
     moved[:, 9:15] *= 1 + 1e-14 * np.random.default_rng(3).uniform(-1, 1, (len(rows), 6))

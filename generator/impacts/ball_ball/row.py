@@ -46,6 +46,7 @@ BALL_BALL = Impact(
     ),
     statuses=_STATUSES,
     ends="the normal impulse has done e_b^2 of the work of compression in restitution",
+    relative_to="the relative speed |v1 - v2|",
     default_model=DEFAULT_MODEL,
     has_kernels=True,
     model_table=lambda: MODELS,

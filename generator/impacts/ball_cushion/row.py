@@ -38,6 +38,7 @@ BALL_CUSHION = Impact(
     ),
     statuses=_STATUSES,
     ends="the normal impulse has done e_c^2 of the work of compression in restitution",
+    relative_to="the ball's speed |v|",
     default_model=DEFAULT_MODEL,
     has_kernels=True,
     model_table=lambda: MODELS,
