@@ -138,7 +138,8 @@ def test_every_rule_can_be_broken_alone_of_what_comes_before() -> None:
         stepper = rng.choice(steppers)
         options = {a.key: rng.choice(a.codes()) for a in axes_of(stepper.family, width)}
         scene = rng.choice(("any", "any", "arcade"))  # of doubles, of floats
-        drawn = make_variant(target.name, scene, "pooltool", stepper, width, **options)
+        model = rng.choice(("pooltool", "mathavan2014"))  # fixed steps first are of the second
+        drawn = make_variant(target.name, scene, model, stepper, width, **options)
         rule = broken_rule(drawn, target)
         if rule is not None:
             met.add(rule.name)
