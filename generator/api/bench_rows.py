@@ -16,7 +16,6 @@ from ..choice.workbench import Workbench
 from ..evidence.profiling.passes import steps_a_collision
 from ..evidence.timing.ratios import TimingResult
 from ..evidence.verification.errors import Array
-from ..impacts.ball_ball.scene import find_scene
 from ..targets.target import Target
 from ..toolchain.mca import find_mca
 
@@ -161,7 +160,7 @@ def _bound_cycles(
     outweigh. None where there is no such loop, or no llvm-mca.
     """
     variant = candidate.variant
-    if find_mca() is None or find_scene(variant.scene).level:
+    if find_mca() is None or variant.question.known_scene.closed_form:
         return None
     steps: float | None = variant.stepper.steps
     around = 0.0

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from ..impacts import registry as all_impacts
 from ..impacts.ball_ball.models import MODELS
-from ..impacts.ball_ball.scene import scenes as all_scenes
 from ..registry.axes import AXES
 from ..registry.lanes import INSTRUCTION_SETS
 from ..registry.presets import PRESETS
@@ -145,7 +144,7 @@ def impacts() -> tuple[ImpactRow, ...]:
 
 def scenes() -> tuple[SceneRow, ...]:
     """What may be known of a shot."""
-    found = all_scenes().values()
+    found = all_impacts.find_impact(all_impacts.DEFAULT).scene_table().values()
     return tuple(
         SceneRow(s.name, s.text, {str(k): v for k, v in s.fixed.items()}, s.model, s.max_error)
         for s in found

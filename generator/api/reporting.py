@@ -12,8 +12,6 @@ from typing import Any
 from ..choice.lookup import require_runs
 from ..errors import InputError
 from ..evidence.timing.bench_tool import build_bench_tool
-from ..impacts.ball_ball.models import find_model
-from ..impacts.ball_ball.scene import find_scene, scenes
 from ..registry.question import DEFAULT_IMPACT, find_impact
 from ..report.experiments.run import Order, run_experiments
 from ..report.experiments.subjects import calls, lanes_in, subjects
@@ -84,7 +82,7 @@ def report(request: ReportRequest | None = None, session: Session | None = None)
     Raises InputError where nothing is stored, or where this machine is not the CPU to measure.
     """
     session, asked = session or Session(), request or ReportRequest()
-    model = find_model(asked.model or find_scene(asked.scene).model).name
+    model = _model(asked.scene, asked.model)
     known = _known(_Subject(asked, *resolve_target(asked.target), model), session)
     made = make_report(known)
     page = render(made.document, made.plots)
@@ -154,8 +152,8 @@ def measure_plot(
     Raises InputError where the scene fixes parameters, KernelError where the code cannot run here.
     """
     session = session or Session()
-    known = find_model(model or find_scene(scene).model).name
-    if find_scene(scene).fixed:
+    known = _model(scene, model)
+    if find_impact(DEFAULT_IMPACT).find_scene(scene).fixed:
         raise InputError(f"--scene {scene}: fixes parameters; expected any, which the plot times")
     resolved, host = resolve_target(target)
     require_runs(host, resolved)
@@ -203,6 +201,12 @@ def scene_costs(
 
     resolved, host = resolve_target(target)
     require_runs(host, resolved)
-    names = [name for name in scenes() if name != PLAIN]
+    names = [name for name in find_impact(DEFAULT_IMPACT).scene_table() if name != PLAIN]
     with (session or Session()).workbench() as bench:
         return costs_of(bench, resolved, names, seconds)
+
+
+def _model(scene: str, model: str | None) -> str:
+    """The name of a model, None: the scene's. InputError where there is none such."""
+    impact = find_impact(DEFAULT_IMPACT)
+    return impact.find_model(model or impact.find_scene(scene).model).name

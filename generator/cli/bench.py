@@ -11,7 +11,7 @@ import click
 from .. import api
 from ..files import is_stdout, require_place, write_file
 from . import options
-from .show import session, show, three_digits
+from .show import baseline_of, session, show, three_digits
 
 if TYPE_CHECKING:
     from ..api.bench_rows import BenchRow
@@ -37,7 +37,9 @@ def bench(json_path: Path | None, **asked: Any) -> int:
         rows = [r for r in found.rows if not r.rejected and (r.steps is not None) is fixed]
         title = f"{'fixed steps' if fixed else 'exact kernels'}: largest error against {against}"
         if rows:
-            show({f"{title}, over |v1 - v2|": [_row(row) for row in rows]}, False, apart)
+            impact = rows[0].candidate.variant.question.row
+            title, first = f"{title}, over {impact.relative_symbol}", baseline_of(impact)
+            show({title: [_row(row, first) for row in rows]}, False, apart)
     for row in found.failed:
         click.echo(f"FAILED {row.candidate.name}: {row.rejected}", err=apart)
     for row in found.rows:
@@ -48,12 +50,12 @@ def bench(json_path: Path | None, **asked: Any) -> int:
     return 1 if found.failed else 0
 
 
-def _row(row: BenchRow) -> dict[str, object]:
+def _row(row: BenchRow, baseline: str) -> dict[str, object]:
     timing = row.timing
     low, high = timing.ratio_ci if timing else (0.0, 0.0)
     return {
         "ns": f"{timing.ns:.1f}" if timing else None,
-        "of paper-initial": three_digits(timing.ratio) if timing else None,
+        f"of {baseline}": three_digits(timing.ratio) if timing else None,
         "95 %": f"{three_digits(low)}-{three_digits(high)}" if timing else None,
         "error": None if row.error is None else f"{row.error:.1e}",
         "of loops' bound": f"{row.of_bound:.2f}" if row.of_bound else None,

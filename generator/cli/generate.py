@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import api
-from .show import session, show, three_digits
+from .show import baseline_of, session, show, three_digits
 
 if TYPE_CHECKING:
     from ..api.generation import Decision, Generated, Row
@@ -79,8 +79,11 @@ def _choices(contests: Sequence[Decision], fixed: bool, recipes: bool) -> Iterat
     against = "the scheme" if fixed else "exact solution"
     yield ""
     yield f"{'':{_NAME}}{'times as fast':>15}{'error against':>17}"
-    head = f"{'fixed steps' if fixed else 'exact kernels'}: chosen; errors over |v1 - v2|"
-    yield f"{head:{_NAME}}{'as paper-initial':>16}{against:>16}"
+    impact = contests[0].contest.row
+    over = f"chosen; errors over {impact.relative_symbol}"
+    head = f"{'fixed steps' if fixed else 'exact kernels'}: {over}"
+    first = f"as {baseline_of(impact)}"
+    yield f"{head:{_NAME}}{first:>16}{against:>16}"
     after = [contest.recipe for contest in contests[1:]]
     for contest, following in zip(contests, [*after, ""], strict=True):
         entry = contest.entry
@@ -122,22 +125,24 @@ def _wrapped(text: str, indent: str, first: str | None = None) -> list[str]:
 
 
 def _show_all(made: Generated, contest: Decision) -> None:
+    impact = contest.contest.row
     against = "the same scheme" if contest.fixed else "the exact solution"
-    title = f"\n{contest.title}: errors against {against}, over |v1 - v2|"
-    show({title: [_row(row) for row in contest.rows()]}, False)
+    title = f"\n{contest.title}: errors against {against}, over {impact.relative_symbol}"
+    first = baseline_of(impact)
+    show({title: [_row(row, first) for row in contest.rows()]}, False)
     for name, why in contest.rejected.items():
         click.echo(f"rejected {name}: {why}")
     for line in _footnotes(made, contest):
         click.echo(line)
 
 
-def _row(row: Row) -> dict[str, object]:
+def _row(row: Row, baseline: str) -> dict[str, object]:
     low, high = row.interval or (None, None)
     return {
         "ns": None if row.ns is None else round(row.ns),
         "latency ns": None if row.latency is None else round(row.latency),
         "cycles": None if row.cycles is None else round(row.cycles),
-        "of paper-initial": None if row.ratio is None else three_digits(row.ratio),
+        f"of {baseline}": None if row.ratio is None else three_digits(row.ratio),
         "95 %": None if not low or not high else f"{three_digits(low)}-{three_digits(high)}",
         "error": None if row.error is None else f"{row.error:.1e}",
         "": row.mark,
@@ -152,8 +157,9 @@ def _footnotes(made: Generated, contest: Decision) -> Iterator[str]:
             yield f"{head}verified on {verdict.cases} cases; the chosen kernel: {verdict.reason}"
             yield from (f"  flip by a step: {contest.labels[flip]}" for flip in verdict.flips)
     if contest.baseline.variant.scene != made.scene:
+        first = baseline_of(contest.contest.row)
         yield (
-            f"scene {made.scene} has no fixed-step kernels: paper-initial is that of scene "
+            f"scene {made.scene} has no fixed-step kernels: {first} is that of scene "
             f"{contest.baseline.variant.scene}"
         )
     if (model := contest.model) is not None:

@@ -143,7 +143,7 @@ class Impact:
     functions: Functions
     statuses: tuple[Status, ...]
     ends: str  # what ends the collision
-    relative_to: str  # what errors are relative to
+    relative_to: str  # what errors are relative to, in words and as |...|
     default_model: str
     has_kernels: bool  # do emission and the steppers make kernels of it?
     model_table: Callable[[], tuple[Model, ...]] = field(repr=False)
@@ -159,6 +159,10 @@ class Impact:
         `evidence` for `evidence`. docs/adding-an-impact.md lists them.
         """
         return importlib.import_module(f"{self.package}.{room}")
+
+    @property
+    def relative_symbol(self) -> str:
+        return self.relative_to[self.relative_to.index("|") :]
 
     @property
     def folder(self) -> str:

@@ -38,13 +38,12 @@ REMAINING = {
     ),
     "generator/lowering/*": (1, "what is before and after a collision"),
     "generator/registry/*": (5, "lanes that are balls, and reasons of rules"),
-    "generator/evidence/profiling/*": (2, "cases are given to what counts"),
-    "generator/evidence/records/*": (1, "scenes by name"),
-    "generator/api/*": (3, "scenes and models by name"),
+    "generator/evidence/profiling/*": (1, "cases are given to what counts"),
+    "generator/api/*": (1, "scenes and models by name"),
     "generator/choice/*": (2, "scenes by name, the parameters of a batch"),
     "generator/cli/*": (1, "help"),
     "generator/clients/*": (1, "the kernels of two masses"),
-    "generator/report/*": (2, "scenes by name"),
+    "generator/report/*": (1, "scenes by name"),
     "templates/*": (46, "the C ABI and the text of steppers"),
 }
 SUFFIXES = {".py", ".j2", ".cpp", ".h", ".toml"}

@@ -16,8 +16,6 @@ from ...emission.environment import environment
 from ...emission.kernel_source import KernelSource
 from ...emission.marks import MARK, filled, only_where
 from ...errors import KernelError
-from ...impacts.ball_ball.parameters import case_value
-from ...impacts.ball_ball.scene import find_scene
 from ...lowering.counts import OperationCounts
 from ...toolchain.build import build_library
 from ...toolchain.compilers import Compiler
@@ -101,8 +99,9 @@ def _counter(name: str, region: str = "", *condition: str) -> str:
 
 def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
     """Files of a library with `carom_count`. `apart`: roots' own operations are left out."""
-    scene = find_scene(source.variant.scene)
-    fields = [(key, case_value(key, "row")) for key in scene.free]
+    asked = source.variant.question
+    words = asked.row.words()
+    fields = [(key, words.case_value(key, "row")) for key in asked.known_scene.free]
     values = {"name": source.source_name, "kinds": KINDS, "fields": fields, "apart": apart}
     render = {
         name: environment().get_template(f"counting/{name}.j2").render(**values)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ...errors import InputError
-from ...impacts.ball_ball.scene import find_scene
 from ...registry.axes import axis
 from ...registry.names import name_of, variant_of
 from ...registry.question import Contest
@@ -76,12 +75,12 @@ class Timings:
         there = self.contests(cpu)
         if contest in there:
             return contest
-        level = find_scene(contest.scene).level
+        closed = bool(contest.known_scene.closed_form)
         others = [
             other
             for other in there
             if replace(other, scene=contest.scene, model=contest.model) == contest
-            and find_scene(other.scene).level == level
+            and bool(other.known_scene.closed_form) == closed
         ]
         return max(
             others,

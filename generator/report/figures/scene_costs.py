@@ -13,7 +13,7 @@ from ...evidence.profiling.counting import Counted, count_operations
 from ...evidence.timing.plan import PlannedKernel, TimingPlan
 from ...evidence.timing.ratios import Speed, timing_results
 from ...evidence.verification.errors import Array
-from ...impacts.ball_ball.scene import find_scene
+from ...impacts.registry import DEFAULT, find_impact
 from ...registry.question import Goal
 from ...registry.rules import broken_rule
 from ...registry.variant import Variant
@@ -48,7 +48,7 @@ def kernel_of(target: Target, scene: str, budget: float) -> Variant:
 
     Roots are of one Newton step for budgets from 1e-6 on, where the rules allow that.
     """
-    model = find_scene(scene).model
+    model = find_impact(DEFAULT).find_scene(scene).model
     made = default_kernel(contest_for(target, scene, model, Goal(budget=budget)))
     quick = made.with_options(root="est1")
     return quick if budget >= 1e-6 and broken_rule(quick, target) is None else made
@@ -66,7 +66,7 @@ def scene_costs(
 
 
 def _cost(bench: Workbench, target: Target, name: str, seconds: float) -> SceneCost:
-    scene = find_scene(name)
+    scene = find_impact(DEFAULT).find_scene(name)
     own = kernel_of(target, name, scene.max_error)
     plain = own.moved(scene=PLAIN)
     candidates = [_verified(bench, variant, target) for variant in (own, plain)]

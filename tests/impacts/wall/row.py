@@ -93,7 +93,7 @@ WALL = Impact(
         Status("BAD_INPUT", 2, "out of range: velocity as it came"),
     ),
     ends="at once",
-    relative_to="the speed",
+    relative_to="the speed |v|",
     default_model=Model.name,
     has_kernels=True,
     model_table=lambda: (Model(),),
