@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..choice.candidates import baseline
+from ..choice.candidates import baseline, candidates_of
 from ..choice.kernel import Emitted, Rejected, Timed, Verified, verdict_of
 from ..choice.lookup import with_compiler_found
 from ..choice.modelling import frame_bound, lanes_in_flight, loop_report
@@ -85,6 +85,11 @@ class BenchRow:
             "selected": self.is_selected,
             "rejected": self.rejected or None,
         }
+
+    @property
+    def baseline_name(self) -> str:
+        """What all are timed against."""
+        return candidates_of(self.candidate.variant.question.row).baseline
 
     @property
     def of_bound(self) -> float | None:

@@ -101,6 +101,16 @@ class Decision:
         return self.candidates[0]
 
     @property
+    def over(self) -> str:
+        """What errors are relative to, as |...|."""
+        return self.contest.row.relative_symbol
+
+    @property
+    def baseline_name(self) -> str:
+        """What that is called."""
+        return candidates_of(self.contest.row).baseline
+
+    @property
     def fixed(self) -> bool:
         """Fixed steps, with errors against the same scheme; else against the exact solution."""
         return self.entry.goal.steps is not None

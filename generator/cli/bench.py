@@ -11,7 +11,7 @@ import click
 from .. import api
 from ..files import is_stdout, require_place, write_file
 from . import options
-from .show import baseline_of, session, show, three_digits
+from .show import session, show, three_digits
 
 if TYPE_CHECKING:
     from ..api.bench_rows import BenchRow
@@ -38,7 +38,7 @@ def bench(json_path: Path | None, **asked: Any) -> int:
         title = f"{'fixed steps' if fixed else 'exact kernels'}: largest error against {against}"
         if rows:
             impact = rows[0].candidate.variant.question.row
-            title, first = f"{title}, over {impact.relative_symbol}", baseline_of(impact)
+            title, first = f"{title}, over {impact.relative_symbol}", rows[0].baseline_name
             show({title: [_row(row, first) for row in rows]}, False, apart)
     for row in found.failed:
         click.echo(f"FAILED {row.candidate.name}: {row.rejected}", err=apart)

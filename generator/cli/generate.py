@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .. import api
-from .show import baseline_of, session, show, three_digits
+from .show import session, show, three_digits
 
 if TYPE_CHECKING:
     from ..api.generation import Decision, Generated, Row
@@ -79,10 +79,9 @@ def _choices(contests: Sequence[Decision], fixed: bool, recipes: bool) -> Iterat
     against = "the scheme" if fixed else "exact solution"
     yield ""
     yield f"{'':{_NAME}}{'times as fast':>15}{'error against':>17}"
-    impact = contests[0].contest.row
-    over = f"chosen; errors over {impact.relative_symbol}"
+    over = f"chosen; errors over {contests[0].over}"
     head = f"{'fixed steps' if fixed else 'exact kernels'}: {over}"
-    first = f"as {baseline_of(impact)}"
+    first = f"as {contests[0].baseline_name}"
     yield f"{head:{_NAME}}{first:>16}{against:>16}"
     after = [contest.recipe for contest in contests[1:]]
     for contest, following in zip(contests, [*after, ""], strict=True):
@@ -125,10 +124,9 @@ def _wrapped(text: str, indent: str, first: str | None = None) -> list[str]:
 
 
 def _show_all(made: Generated, contest: Decision) -> None:
-    impact = contest.contest.row
     against = "the same scheme" if contest.fixed else "the exact solution"
-    title = f"\n{contest.title}: errors against {against}, over {impact.relative_symbol}"
-    first = baseline_of(impact)
+    title = f"\n{contest.title}: errors against {against}, over {contest.over}"
+    first = contest.baseline_name
     show({title: [_row(row, first) for row in contest.rows()]}, False)
     for name, why in contest.rejected.items():
         click.echo(f"rejected {name}: {why}")
@@ -157,7 +155,7 @@ def _footnotes(made: Generated, contest: Decision) -> Iterator[str]:
             yield f"{head}verified on {verdict.cases} cases; the chosen kernel: {verdict.reason}"
             yield from (f"  flip by a step: {contest.labels[flip]}" for flip in verdict.flips)
     if contest.baseline.variant.scene != made.scene:
-        first = baseline_of(contest.contest.row)
+        first = contest.baseline_name
         yield (
             f"scene {made.scene} has no fixed-step kernels: {first} is that of scene "
             f"{contest.baseline.variant.scene}"

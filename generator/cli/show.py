@@ -13,7 +13,6 @@ import click
 
 if TYPE_CHECKING:
     from ..api.session import Session
-    from ..impacts.impact import Impact
 
 Row = Mapping[str, object]
 ANY_WIDTH = 100_000  # of a pipe
@@ -125,10 +124,3 @@ def command_line() -> str:
     import shlex
 
     return " ".join(["./gen", *map(shlex.quote, sys.argv[1:])])
-
-
-def baseline_of(impact: Impact) -> str:
-    """What all kernels of an impact are timed against, by name."""
-    from ..choice.candidates import candidates_of
-
-    return candidates_of(impact).baseline

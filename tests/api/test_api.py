@@ -95,6 +95,7 @@ class Told:
         from generator.api.generation import Row
 
         self.model, self.fixed = model, fixed
+        self.over, self.baseline_name = "|v1 - v2|", "paper-initial"
         self.title = f"{model}, {'N = 1000' if fixed else 'within 1e-06'}, {'ab'[batch]}"
         options = {"rsqrt": "ahead", "order": "chain", "state": "reduced", "reuse": "factored"}
         own = variant(**options, roots="early", branch="chosen", loop="twostage")
