@@ -34,6 +34,7 @@ class Control:
     stray: float = 0.04  # what following the balance may be off, summed, before the slip is stepped
     join: float = 0.04  # how far off its balance a slip may be for following it
     driven: float = 1000.0  # times what a slip strays that the table drives on
+    join_aside: float = 0.16  # and how far its rate may point aside, times its length
     safe: float = 0.85  # share of the next step that the error's order allows
     least_factor: float = 0.15  # of one step to the next
     most_factor: float = 5.0
