@@ -18,19 +18,18 @@ from tests.support.exact_kernels import built, exact_variant, portable_target
 from tests.support.kernels import bench_tool
 
 ADVERSARIAL = ROOT / "tests" / "data" / "adversarial"
-OPEN = {("pooltool", "2"), ("pooltool", "5")}  # docs/step-control.md, Open
 SMOOTH = ("mathavan2014", "bottom_slip")
 
 
 def adversarial(model: str) -> dict[float, Array]:
-    """The kept inputs by the budget that they were found for, without corner and open ones."""
+    """The kept inputs by the budget that they were found for, without those of the corner."""
     with (ADVERSARIAL / "list.csv").open(encoding="utf-8") as file:
         listed = {(r["model"], r["id"]): r for r in csv.DictReader(file)}
     found: dict[float, list[list[float]]] = {}
     with (ADVERSARIAL / f"inputs_{model}.csv").open(encoding="utf-8") as file:
         for record in csv.DictReader(file):
             known = listed[model, record["id"]]
-            if known["where"] != "corner" and (model, record["id"]) not in OPEN:
+            if known["where"] != "corner":
                 row = [float(record[name]) for name in CASE_NAMES]
                 found.setdefault(float(known["budget"]), []).append(row)
     return {budget: np.array(rows) for budget, rows in found.items()}

@@ -54,9 +54,9 @@ class _Row:
 _LOOSE = StepControl(0.25, 2.2, 10.0, 0.1, 100.0, 1.0)
 _CAREFUL = StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0)
 _USUAL = StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002)
-_USUAL_DRIVEN = StepControl(0.25, 2.3, 7.0, 0.05, 10.0, 8.0, 3.0, 0.002)
+_USUAL_DRIVEN = replace(_USUAL, depart=1.0, tail=8.0)
 _FINE = StepControl(0.7, 2.4, 4.5, 0.005, 0.025, 100.0, 3.0, 0.002)
-_FINE_DRIVEN = replace(_FINE, tolerance=0.5, passage=0.005, depart=0.05)
+_FINE_DRIVEN = replace(_FINE, tolerance=0.5, tail=1000.0)
 _FINEST = StepControl(0.15, 3.0, 4.0, 0.002, 0.005, 100.0, 3.0, 0.02)
 _FINEST_DRIVEN = StepControl(0.06, 3.0, 4.0, 0.001, 0.002, 500.0, 3.0, 0.02)
 
@@ -83,9 +83,9 @@ _PLANS: tuple[_Row, ...] = (  # loosest first
         others=_OTHER,
     ),
     _Row(1e-7, "dp54", _USUAL, _USUAL_DRIVEN, others=_OTHER),
-    _Row(1.1e-9, "dop853", replace(_FINE, tail=300.0), replace(_FINE_DRIVEN, tail=300.0)),
+    _Row(1.1e-9, "dop853", replace(_FINE, tail=300.0), _FINE_DRIVEN),
     _Row(9e-10, "dop853", _FINE, _FINE_DRIVEN),
-    _Row(1e-10, "dop853", _FINE, replace(_FINE_DRIVEN, tolerance=0.5, tail=1000.0)),
+    _Row(1e-10, "dop853", _FINE, _FINE_DRIVEN),
     _Row(TIGHTEST, "dop853", _FINEST, _FINEST_DRIVEN),
 )
 

@@ -66,6 +66,13 @@ class Declared:
         "0.005 E in R w",
         "derived",
     )
+    most_grown = _named(
+        "kMostGrown",
+        "1",
+        "logarithm of the most that the table, where it drives s on, may have made of an error: "
+        "beyond it the collision is made again, with steps as much more exact",
+        "the share of collisions beyond it, with the time of each",
+    )
     tail_unseen = _named(
         "kTailUnseen",
         "1",
@@ -80,9 +87,6 @@ class Declared:
         "kRest",
         "tol",
         "table slip times friction that counts as none; 0.03 of it where the table drives s on",
-    )
-    strong = _named(
-        "kStrong", "1", "share of a step's length where the table drives s on strongly: 0.2"
     )
     extend = _named(
         "kExtend",
@@ -133,8 +137,26 @@ class Literal:
     least_leaving = _value(
         0.01, "phi", "how fast s leaves zero at least, where nothing else would drive it"
     )
-    strongly = _value(0.35, "|b|", "push from which the table drives s on strongly")
     beats = _value(1.1, "1", "a push that beats all else is taken a tenth larger than it is")
+    most_grown_at_once = _value(
+        0.5, "1", "logarithm of what an error grows by in a step, as far as |s| stays"
+    )
+    least_apart = _value(
+        1e-12, "1", "1/r of a step that passes zero itself", "below errors in what is passed"
+    )
+    least_length = _value(
+        0.99, "1", "of a product of lengths: estimates of roots may be off by 0.4 %", "derived"
+    )
+    per_octave = _value(
+        44.3614195558365,
+        "1",
+        "64 log(2): x^(1/64) as `power` has it is 1 + log2(x)/64, less at most 0.086/64",
+        "derived",
+    )
+    least_octave = _value(-44.3614195558365, "1", "-64 log(2)", "derived")
+    octave = _value(
+        -44.3, "1", "-64 log(2), and log(2) 0.086 more: what `power` may lack", "derived"
+    )
     settles_near = _value(
         0.7,
         "1",
@@ -150,21 +172,8 @@ class Literal:
     )
 
 
-class Growth:
-    """Near zero slip that the table drives on, errors grow as a power of how the slip grows.
-
-    The power depends on the push of the table over all else that drives the slip.
-    """
-
-    _measured = "steps shortened for the worst everywhere took 31 a collision at 1e-6 instead of 4"
-
-    little = _value(0.05, "drift", "push up to which errors grow by the power 1/8", _measured)
-    some = _value(0.12, "drift", "up to which by 1/4", _measured)
-    much = _value(0.3, "drift", "up to which by 1/2; beyond it as the slip itself", _measured)
-
-
 def table() -> list[tuple[str, Constant]]:
     """All of them, as name and constant."""
-    groups: tuple[type, ...] = (Declared, Literal, Growth)
+    groups: tuple[type, ...] = (Declared, Literal)
     named = [(name, value) for group in groups for name, value in vars(group).items()]
     return [(name, value) for name, value in named if isinstance(value, Constant)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import sympy as sp
@@ -22,7 +23,7 @@ from ...lowering.printer import ExpressionPrinter, Fma, decimal_product, number
 from ...lowering.statements import Part
 from ...registry.lane_numbers import precision_of
 from ...registry.roots import refined_error
-from ...registry.variant import Variant
+from ...registry.variant import Stepper, Variant
 from ...tableaus.tableau import Tableau
 from ...targets.target import Target
 from .budgets import StepControl, plan_for
@@ -44,6 +45,10 @@ MOST_STEPS = 4000
 _DX, _DZ, _DQ = sp.symbols("d_x d_z dq")
 _TAIL_DX, _TAIL_DZ, _TAIL_TX, _TAIL_TY = sp.symbols("d_tail_x d_tail_z t_tail_x t_tail_y")
 STACK = 28 << 10  # bytes that a function of a batch may hold in arrays: carom.h promises 32 KiB
+MOST_GROWN = 1.5  # logarithm: beyond it a collision is made again, with steps as much more exact
+CAREFUL = 1e-8  # budget that steps which are made again have at most: that of their tableau
+CAREFUL_STEPPER = Stepper("dop853", budget=1e-11)  # of which those have the constants (budgets.py)
+LEAST_STEP = 1e-16  # tolerance of a step, relative to |v1 - v2|, below which all is rounding
 SPIN = 2.5  # R w changes by so much of an impulse: 1 / (2/5) of a ball's inertia
 NEGLECTED = 0.1  # share of the budget that a step may miss of what it does not look at
 SLIPS_BEFORE = ("c_x", "c_z", "s1x", "s1y", "s2x", "s2y", "v_n")
@@ -110,6 +115,8 @@ class ExactContext:
     gains: bool = False  # are changes of slips added up beside them (float, or a tight budget)?
     scaled: bool = True  # are speeds scaled (they are where they may be any)?
     one_table: bool = False  # is table friction the same for both balls?
+    careful: ExactContext | None = None  # where the table drives its slip on: for what grows
+    again: bool = False  # is it this one, whose tolerance is less, the more errors grow?
     other: ExactContext | None = None  # unequal masses: as this one (ball 2 pressed), for ball 1
     masses_given: bool = False  # with the call?
     tail_bend: str = ""  # the power of 1 - t on the way into sticking, where masses make it
@@ -118,6 +125,21 @@ class ExactContext:
     together: int = 1  # vectors whose steps are made at once
     batch: ExactContext | None = None  # the same in lanes
     entry: str = "collide_all"  # what a batch of lanes is called by
+
+    @property
+    def most_grown(self) -> float:
+        """Logarithm of what the table may make of an error before a collision is made again."""
+        return MOST_GROWN
+
+    @property
+    def most_ever(self) -> float:
+        """The same, where the tolerance of a step would be below rounding."""
+        return _figures(MOST_GROWN + math.log(self.control.tolerance * self.budget / LEAST_STEP))
+
+    @property
+    def most_aim(self) -> float:
+        """Of the usual tolerance: that of steps which are made again is at most this."""
+        return _figures(min(1.0, CAREFUL / self.budget))
 
     @property
     def flight_fields(self) -> tuple[str, ...]:
@@ -133,6 +155,7 @@ class ExactContext:
             "h_cap",
             "tail_cap",
             "driven",
+            *(("grown",) if self.drives else ()),
         )
         added_up = self.results[:-1] if self.gains else ()
         return (
@@ -224,12 +247,12 @@ class ExactContext:
     @property
     def landing_turns(self) -> int:
         """Newton iterations for the end of a collision on an interpolant, where it takes any."""
-        return 2 if self.budget >= 1e-7 else 4
+        return 4 if self.dense_landing else 2
 
     @property
     def dense_landing(self) -> bool:
         """Is the end taken anywhere in a step, on its dense interpolant? Else near its end."""
-        return self.budget < 1e-7
+        return self.again or self.budget < 1e-7
 
     @property
     def extend(self) -> float:
@@ -244,12 +267,12 @@ class ExactContext:
     @property
     def dense_crossing(self) -> bool:
         """Is v_n = 0 found on the dense interpolant?"""
-        return self.budget < 3e-4
+        return self.again or self.budget < 3e-4
 
     @property
     def crossing_turns(self) -> int:
         """The same for v_n = 0. The work is stationary there: half the digits are enough."""
-        return 1 if self.budget >= 1e-7 else 3
+        return 3 if self.dense_landing else 1
 
     @property
     def interpolant(self) -> str:
@@ -316,14 +339,28 @@ def exact_context(
 ) -> ExactContext:
     """Decide everything that an exact kernel's templates show."""
     masses = GIVEN_PRESSED if scene.masses_given else masses_of(scene.mass_ratio)
-    context = _pressed_context(variant, scene, terms, target, masses)
+    context = _single_context(variant, scene, terms, target, masses)
     if variant.width > 1:
         return replace(context, batch=_pressed_context(variant, scene, terms, target, masses, True))
-    if scene.masses_given:  # one system holds, whichever ball is pressed
-        return replace(context, masses_given=True)
-    if masses.equal or not scene.table_friction or scene.level:
+    if masses.equal or scene.masses_given or not scene.table_friction or scene.level:
         return context
-    return replace(context, other=_pressed_context(variant, scene, terms, target, masses.swapped()))
+    return replace(context, other=_single_context(variant, scene, terms, target, masses.swapped()))
+
+
+def _single_context(
+    variant: Variant, scene: Scene, terms: ContactTerms, target: Target, masses: Masses
+) -> ExactContext:
+    """Of one lane; where the table drives its slip on, with the stepper for errors that grow."""
+    # One system holds of given masses, whichever ball is pressed.
+    context = _pressed_context(variant, scene, terms, target, masses)
+    context = replace(context, masses_given=scene.masses_given)
+    if not context.table or not context.drives or scene.level:
+        return context
+    exactly = variant.with_options(root="ieee").with_stepper(CAREFUL_STEPPER)
+    doubles = scene.model_copy(update={"precision": "double"})
+    careful = _pressed_context(exactly, doubles, terms, target, masses)
+    own = replace(careful, budget=context.budget, again=True, masses_given=scene.masses_given)
+    return replace(context, careful=own)
 
 
 def _pressed_context(

@@ -77,7 +77,7 @@ class PlanLines:
 def plan_lines(pressed: Pressed, drift: Text, floats: bool) -> PlanLines:
     """What the next iteration does; `drift` declares b_x and b_y."""
     return PlanLines(
-        slips=_slips(),
+        slips=_slips(pressed),
         at_rest=_at_rest(),
         drive=_drive(pressed),
         driven=_driven(),
@@ -120,7 +120,7 @@ def _over() -> Text:
     return lines.part()
 
 
-def _slips() -> Text:
+def _slips(pressed: Pressed) -> Text:
     lines = Lines(PRINTER)
     n_c = lines.number("n_c", fma(AT.c_x, AT.c_x, fma(AT.c_z, AT.c_z, TINY)))
     n_s = lines.number("n_s", fma(AT.s_x, AT.s_x, fma(AT.s_y, AT.s_y, TINY)))
@@ -130,6 +130,9 @@ def _slips() -> Text:
     lines.number("l_s", n_s * per_s)
     lines.number("phi", -START.u_s * START.u_b * per_c * AT.c_z)
     lines.set(PLAN.l_c, number("l_c"))
+    if pressed.drives:
+        lines.set(PLAN.l_s, number("l_s"))
+        lines.set(PLAN.phi, number("phi"))
     return lines.part()
 
 
