@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import subprocess
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -139,6 +140,13 @@ def flawed(e_b: float) -> Array:
     one = np.ones(1)
     states = States(slips, 0.55 * one, 0.9 * one, e_b * one)
     return cases_of(states, Layout(False, 0.0, 0.0, False, 1.0), place())
+
+
+def test_a_hunt_whose_time_is_over_still_tells_of_one_round(planted: Subject) -> None:
+    """A short search of a large kernel leaves its last hunts no time."""
+    found = search(planted, Limits(12_000, time.monotonic() - 1), 1, "symmetry")
+    print(f"{found.evaluations} evaluations, worst {found.worst.over:.2g} of the budget")
+    assert 0 < found.evaluations < 12_000 and np.isfinite(found.worst.over)
 
 
 def test_jump_is_found_between_two_neighbouring_doubles(planted: Subject) -> None:

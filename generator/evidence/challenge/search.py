@@ -90,6 +90,7 @@ def search(
     """Look for the largest of what `hunt` says. Same seed and evaluations, same findings.
 
     `tell` is called after each round, from several threads: evaluations of its lane, best so far.
+    There is a first round even where the time is over, so that there is something to tell.
     """
     start = time.monotonic()
 
@@ -97,9 +98,12 @@ def search(
         judge = subject.judge()
         score = score_of(hunt, judge, subject.count)
         sea = Archipelago(judge.space, subject.within, seed * LANES + index, _ISLANDS)
-        while judge.evaluations < limits.evaluations / LANES and time.monotonic() < limits.until:
+        again = True
+        while again:
             sea.round(score)
             tell(judge.evaluations, sea.best)
+            left = judge.evaluations < limits.evaluations / LANES
+            again = left and time.monotonic() < limits.until
         return judge, sea.finish()
 
     with ThreadPoolExecutor(LANES) as pool:
