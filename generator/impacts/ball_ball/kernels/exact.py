@@ -7,7 +7,8 @@ from dataclasses import replace
 from ....lowering.counts import OperationCounts
 from ....lowering.lanes import LaneContext
 from ....registry.variant import Variant
-from ....steppers.exact.context import ExactContext, exact_context
+from ....steppers.exact.context import ExactContext
+from ....steppers.exact.making import exact_context
 from ....steppers.tiers.context import TierContext, tier_context
 from ....targets.target import Target
 from ..models import find_model
