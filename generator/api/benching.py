@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..choice.lookup import require_runs
-from ..choice.selection import place_of, read_selection
+from ..choice.selection import how_to_make, place_of, read_selection
 from ..errors import InputError
 from ..registry.question import DEFAULT_IMPACT, find_impact
 from .bench_rows import BenchRow, bench_rows
@@ -55,12 +55,12 @@ def bench(
     folder = place_of(session.generated, target, scene, impact)
     selection = read_selection(folder)
     if selection is None:
-        raise InputError(
-            f"{folder}: nothing generated; run ./gen --target {target} --scene {scene}"
-        )
+        raise InputError(f"{folder}: nothing generated; run {how_to_make(folder)}")
     entries = [e for e in selection.kernels if model in (None, e.model)]
     if not entries:
-        raise InputError(f"{folder}: no kernel for --model {model}; run ./gen with that --model")
+        raise InputError(
+            f"{folder}: no kernel for --model {model}; run {how_to_make(folder)} --model {model}"
+        )
     with session.workbench(impact=collides) as tools:
         rows = bench_rows(tools, resolved, scene, entries, seconds)
         machine = {

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 from ..choice.candidates import candidates_of
 from ..choice.lookup import batch_kernel_for, entries_for, kernel_for
+from ..choice.selection import how_to_make, place_of
 from ..errors import InputError
+from ..evidence.verification.evidence import evidence_of
 from ..impacts.impact import Impact
 from ..impacts.scene import BaseScene
 from ..registry.names import question_named, variant_named
@@ -57,8 +59,15 @@ class Request:
         impact = find_impact(self.impact)
         target, host = resolve_target(self.target)
         scene = impact.find_scene(self.scene)
-        model = impact.find_model(self.model or scene.model).name
-        return Resolved(self, target, host, scene, model, self.goal())
+        model, goal = impact.find_model(self.model or scene.model).name, self.goal()
+        require_reachable(impact, model, goal)
+        return Resolved(self, target, host, scene, model, goal)
+
+
+def require_reachable(impact: Impact, model: str, goal: Goal) -> None:
+    """Raise InputError where a budget is asked of a model that is defined by its steps alone."""
+    if goal.budget is not None and model in evidence_of(impact).exact_models:
+        raise InputError(f"--max-error: model {model} has fixed steps alone; name --steps")
 
 
 @dataclass(frozen=True)
@@ -97,10 +106,11 @@ def kernel_named(text: str, session: Session) -> Variant:
     question = question_named(first, read_host().target.name)
     if recipe:
         return variant_named(f"{question} {' '.join(recipe)}")
+    place = place_of(session.generated, question.target, question.scene, question.impact)
     chosen = entries_for(session.generated, question)
     if not chosen:
         raise InputError(
             f"{question}: none was chosen; name a recipe after it, as dp54 root=est1, or run "
-            f"./gen --target {question.target} --scene {question.scene}"
+            f"{how_to_make(place)}"
         )
     return chosen[0].variant

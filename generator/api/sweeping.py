@@ -150,6 +150,11 @@ def _begun(
     asked: SweepRequest, session: Session
 ) -> Iterator[tuple[Plan, Lab, ResultStore, Ledger]]:
     """The plan, the machines that do the work, the opened store, and its trials."""
+    if asked.impact != DEFAULT_IMPACT:
+        raise InputError(
+            f"--impact {asked.impact}: a sweep knows {DEFAULT_IMPACT} alone; "
+            f"./gen --target {asked.target} --impact {asked.impact} chooses among what there is"
+        )
     impact = find_impact(asked.impact)
     target = _target(asked)
     scene = impact.find_scene(asked.scene)

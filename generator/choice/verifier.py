@@ -108,6 +108,8 @@ def verification_hash(impact: str) -> str:
     `impact`: the folder of the one whose rules are asked for.
     """
     package = Path(__file__).parents[1]
-    folders = package / "evidence" / "verification", package / "impacts" / impact / "evidence"
+    own = package / "impacts" / impact
+    folders = package / "evidence" / "verification", own / "evidence"
     files = [path for folder in folders for path in sorted(folder.rglob("*.py"))]
+    files += sorted(own.glob("evidence.py"))  # an impact gives a package, or one module
     return key_of(*(path.read_text("utf-8") for path in files))

@@ -103,7 +103,10 @@ def gen(
     context: click.Context, /, check: bool, update: bool, everything: bool, **asked: Any
 ) -> int | None:
     """Generate, verify, time and choose collision kernels for a CPU."""
-    if context.invoked_subcommand is not None:
+    if (command := context.invoked_subcommand) is not None:
+        if early := options.given(context):
+            late = f"./gen {command} {early[0]}"
+            raise click.UsageError(f"{early[0]}: write it after {command}, as {late}")
         return None
     if check or update:
         from .freshness import show_check, show_update

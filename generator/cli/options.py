@@ -15,7 +15,7 @@ TARGET = click.option(
     "--target", default="native", show_default=True, help="CPU: native, zen3, ... (list targets)"
 )
 IMPACT = click.option(
-    "--impact", default="ball-ball", show_default=True, help="what collides: ball-ball"
+    "--impact", default="ball-ball", show_default=True, help="what collides (list impacts)"
 )
 SCENE = click.option(
     "--scene", default="any", show_default=True, help="what is known of a shot (list scenes)"

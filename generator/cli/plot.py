@@ -10,6 +10,7 @@ import click
 from .. import api
 from ..errors import InputError
 from ..files import require_place, write_file
+from ..registry.question import DEFAULT_IMPACT
 from . import options
 from .show import rows_of, session, show
 
@@ -27,6 +28,10 @@ def plot(out: Path, models: bool, source: Path | None, impact: str, **asked: Any
     """Draw time against error of fixed steps and exact steppers; its data goes beside as JSON."""
     if out.suffix != ".svg":
         raise InputError(f"{out}: expected the name of an SVG file, as plot.svg")
+    if impact != DEFAULT_IMPACT and not models:
+        raise InputError(
+            f"--impact {impact}: times are drawn of {DEFAULT_IMPACT} alone; add --models"
+        )
     require_place(out)
     if models:
         _models(out, impact)

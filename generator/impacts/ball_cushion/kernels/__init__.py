@@ -59,6 +59,8 @@ def _fixed_step(head: KernelHead, scene: Scene) -> CushionContext:
 
 def _exact(head: KernelHead, scene: Scene) -> CushionContext:
     variant = head.variant
+    if not find_model(variant.model).terms.sticks:
+        raise InputError(f"--max-error: model {variant.model} has fixed steps alone; name --steps")
     budget = variant.stepper.budget or 0.0
     scene.require_budget(budget)
     stepper = exact_stepper(variant.stepper.name, budget, exact_parts(head.places_fma))
