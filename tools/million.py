@@ -22,7 +22,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from generator.evidence.timing.bench_tool import ROOT, BenchTool
-from generator.impacts.ball_ball.evidence import MODELS
+from generator.impacts.ball_ball.evidence import EVIDENCE, MODELS
 from generator.registry.lane_numbers import float_lanes
 from generator.registry.names import name_of
 from generator.registry.variant import Variant
@@ -31,7 +31,6 @@ from generator.targets.target import Target
 from tests.support.exact_kernels import (
     BUDGETS,
     COMPILERS,
-    FILE,
     Worst,
     built,
     conditioning,
@@ -168,12 +167,12 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=COUNT, help="random cases a model")
     parser.add_argument("--budgets", type=float, nargs="+", default=BUDGETS)
     parser.add_argument("--models", choices=MODELS, nargs="+", default=MODELS)
-    parser.add_argument("--keep", action="store_true", help=f"add what fails to {FILE.name}")
+    parser.add_argument("--keep", action="store_true", help="add what fails to the kept hard cases")
     options = parser.parse_args()
     rows = prove_all(options.count, tuple(options.budgets), tuple(options.models))
     if options.keep:
         worst = [w for row in rows for w in row.worst.failing()]
-        print(f"{keep(worst)} cases added to {FILE}")
+        print(f"{keep(worst)} cases added to {EVIDENCE.hard_cases}")
     return 0 if all(row.worst.passed for row in rows) else 1
 
 

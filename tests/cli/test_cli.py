@@ -372,7 +372,10 @@ QUESTION = "ball-ball/zen3/any/pooltool-e1m06-x1"
         ((QUESTION, "dp54", "--header", "any"), ("--header",)),
         ((QUESTION, "rk4"), ("rk4", "no stepper", "dop853")),
         ((QUESTION, "dp54", "root=est0", "fma=fma"), ("roots-within-budget",)),
-        ((QUESTION, "dp54", "simd=balls"), ("no option 'simd'", "root, fma, compiler, flags")),
+        (
+            (QUESTION, "dp54", "simd=balls"),
+            ("no option 'simd'", "root, tiers, fma, compiler, flags"),
+        ),
         ((QUESTION.replace("ball-ball", "ball-cue"), "dp54"), ("ball-cue", "there are ball-ball")),
         ((QUESTION.replace("zen3", "zen9"), "dp54"), ("zen9", "no such target", "zen4")),
         ((QUESTION.replace("any", "moon"), "dp54"), ("moon", "no such scene", "pool")),

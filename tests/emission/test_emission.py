@@ -391,7 +391,7 @@ def test_every_template_accepts_on_its_first_line_just_what_it_reads() -> None:
         assert set(declared) == reads, name
         assert all(_exists(kind) for kinds in declared.values() for kind in kinds), name
     print(f"silent: {silent}")
-    assert all(0 < n <= SILENT[pattern] for pattern, n in silent.items()), "lower SILENT"
+    assert all(0 < n <= SILENT[pattern] for pattern, n in silent.items()), f"lower SILENT: {silent}"
 
 
 def test_a_template_refuses_what_it_does_not_accept() -> None:

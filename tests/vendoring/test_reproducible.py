@@ -13,7 +13,7 @@ from generator.emission.kernel_source import emit
 from generator.errors import InputError
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.lowering.isa import estimates_in
-from generator.registry.question import Goal
+from generator.registry.question import DEFAULT_IMPACT, Goal, find_impact
 from generator.registry.roots import is_reproducible
 from generator.targets.target import find_target, targets
 from generator.vendoring.job import compare
@@ -133,7 +133,7 @@ def test_what_cannot_be_reproducible_is_refused_in_a_line(monkeypatch):
     mixed = f"x86-64-v3,{next(t.name for t in targets().values() if t.has('neon'))}"
     assert request_for(mixed, reproducible=True).reproducible
     law = parse_scene('name = "law"\ntext = "x"\nfriction_law = "alciatore"\n', "law.toml")
-    monkeypatch.setattr("generator.vendoring.request.find_scene", lambda _name: law)
+    monkeypatch.setattr(type(find_impact(DEFAULT_IMPACT)), "find_scene", lambda *_: law)
     with pytest.raises(InputError, match="scene law makes u_b by the C library's exp"):
         request_for("x86-64-v3", reproducible=True)
 
