@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import sympy as sp
@@ -27,6 +26,7 @@ MOST_STEPS = 4000
 STACK = 28 << 10  # bytes that a function of a batch may hold in arrays: carom.h promises 32 KiB
 MOST_GROWN = 1.5  # logarithm: beyond it a collision is made again, with steps as much more exact
 CAREFUL = 1e-8  # budget that steps which are made again have at most: that of their tableau
+SQUARINGS = 8  # n of (1 - x/2^n)^(2^n), never above exp(-x), which no freestanding build has
 LEAST_STEP = 1e-16  # tolerance of a step, relative to |v1 - v2|, below which all is rounding
 SPIN = 2.5  # R w changes by so much of an impulse: 1 / (2/5) of a ball's inertia
 NEGLECTED = 0.1  # share of the budget that a step may miss of what it does not look at
@@ -112,7 +112,14 @@ class ExactContext:
     @property
     def most_ever(self) -> float:
         """The same, where the tolerance of a step would be below rounding."""
-        return _figures(MOST_GROWN + math.log(self.control.tolerance * self.budget / LEAST_STEP))
+        turns = 2**SQUARINGS
+        share = LEAST_STEP / (self.control.tolerance * self.budget)
+        return _figures(MOST_GROWN + turns * (1 - share ** (1 / turns)))
+
+    @property
+    def squarings(self) -> int:
+        """By which `shrink` raises what tolerances are multiplied by."""
+        return SQUARINGS
 
     @property
     def most_aim(self) -> float:
