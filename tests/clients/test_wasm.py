@@ -35,4 +35,5 @@ def test_javascript_gets_what_the_reference_says() -> None:
     assert int(re.search(r"pass (\d+)", text)[1]) >= 13
     size = (build / "js" / "carom.wasm").stat().st_size
     print(f"carom.wasm: {size} bytes")
-    assert size < 1_100_000
+    # pooltool's kernels have a second stepper, for errors that its table made grow.
+    assert size < 1_150_000

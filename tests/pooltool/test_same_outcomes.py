@@ -23,6 +23,20 @@ def difference(cue, ball, **fields) -> float:
     return max(float(np.abs((a.state.rvw - b.state.rvw) * units).max()) for a, b in pairs)
 
 
+def own_unrest(cue, ball, **fields) -> float:
+    """How far pooltool's own outcome moves where the cue's sidespin does by a few roundings."""
+    first = Theirs(**fields).resolve(cue, ball)
+    moved = 0.0
+    for roundings in (-2, -1, 1, 2):
+        near = cue.copy()
+        near.state.rvw[2, 2] *= 1 + roundings * 2.0**-52
+        pairs = zip(first, Theirs(**fields).resolve(near, ball), strict=True)
+        moved = max(
+            moved, *(float(np.abs(a.state.rvw[1] - b.state.rvw[1]).max()) for a, b in pairs)
+        )
+    return moved
+
+
 def test_the_same_fields_with_the_same_defaults() -> None:
     for field in attrs.fields(Theirs):
         own = getattr(attrs.fields(Ours), field.name)
@@ -54,12 +68,21 @@ def test_head_on_agrees(case, drift, side) -> None:
 @pytest.mark.parametrize("speed", np.logspace(-1, 1, 4))
 @pytest.mark.parametrize("angle", np.linspace(0, 2 * np.pi, 6, endpoint=False))
 def test_gearing_agrees(speed, angle) -> None:
-    """No contact slip at first: sidespin takes up the cut."""
+    """No contact slip at first: sidespin takes up the cut.
+
+    There the scheme may chatter about zero slip: release 0.5 then has outcomes of its own that a
+    rounding of the input moves by more than the tolerance, and those say nothing.
+    """
+    unsettled = 0
     for cut in np.linspace(0, np.pi / 2, 6, endpoint=False):
         for slip in (0.0, 0.02, 0.05):  # m/s that are left
             side = (slip - speed * np.sin(cut)) / touching(0)[0].params.R
             cue, ball = shot(angle, cut, speed, (0.0, 0.0, side))
-            assert difference(cue, ball, num_iterations=10_000) <= TOLERANCE
+            if difference(cue, ball, num_iterations=10_000) > TOLERANCE:
+                assert own_unrest(cue, ball, num_iterations=10_000) > TOLERANCE
+                unsettled += 1
+    print(f"{unsettled} of 18 are decided by rounding in pooltool itself")
+    assert unsettled <= 1
 
 
 # ---- what is ours alone ----------------------------------------------------------------------
