@@ -4,8 +4,12 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   17 add, 109 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/mathavan2014-e1m06-x8f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 52604bfb8d3ef7b5
-// chosen:   the recipe that won on zen3; neither timed nor modelled for this target; largest error under the worst root estimates 5.5e-07
+// inputs:   sha256 4f0425ccf3cb151f
+// chosen:   modelled by llvm-mca for haswell, 14 kernels; largest error under the worst root estimates 5.5e-07
+#if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
+#error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
+#endif
+
 #include "carom.h"
 
 #include <cmath>
@@ -41,23 +45,12 @@
 #endif
 // What is called in turn shares the stack; inlined it would add up.
 #ifdef __clang__
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline))
+#define CAROM_NOINLINE static __attribute__((noinline))
 #else
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline, nothrow))
+#define CAROM_NOINLINE static __attribute__((noinline, nothrow))
 #endif
 
-// Keeps a branch a branch: what it decides is then guessed while it is still being computed.
-#define CAROM_BRANCH() __asm__ volatile("")
-
-#ifdef CAROM_MCA
-#define CAROM_REGION_BEGIN(name) __asm__ volatile("# LLVM-MCA-BEGIN " name)
-#define CAROM_REGION_END(name) __asm__ volatile("# LLVM-MCA-END " name)
-#define CAROM_RARE() __asm__ volatile("# CAROM-RARE")
-#else
-#define CAROM_RARE() static_cast<void>(0)
-#define CAROM_REGION_BEGIN(name) static_cast<void>(0)
-#define CAROM_REGION_END(name) static_cast<void>(0)
-#endif
+// Below, an empty `__asm__` keeps a branch a branch: what it decides is then guessed while it is still being computed.
 
 namespace {
 
@@ -651,7 +644,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Mask late = both(gt(plan.l_c, real(kGone) * start.tolerance), gt(v_stuck, limit));
   const Mask sticks = but_not(both(tries, le(error, real(kSafe) * start.tolerance)), late);
   if (!all(sticks)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
     const Real cap = plan.l_c * larger(real(0.1), smaller(real(0.5), power(ratio, kOrder)));
     at.tail_cap = select(tries, cap, at.tail_cap);
@@ -672,7 +665,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
 // `bound` where it is shorter than `h`: what rarely happens is guessed in one lane, not waited for.
 CAROM_INLINE Real shorter(Real h, Real bound) {
   if (bound < h) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     return bound;
   }
   return h;
@@ -681,7 +674,7 @@ CAROM_INLINE Real shorter(Real h, Real bound) {
 // What one lane leaves out where it need not be done; several always do it, since a branch that is
 // guessed wrongly costs them more.
 CAROM_INLINE bool wanted(Mask m) {
-  if (m) CAROM_BRANCH();
+  if (m) __asm__ volatile("");
   return m;
 }
 
@@ -735,7 +728,7 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   plan.at_rest = le(phi * l_s, real(kRest) * start.tolerance);
   const Mask stops = both(plan.at_rest, eq(at.driven, real(0.0)));
   if (any(stops)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     at.k = select_rates(stops, rates_at_rest(start, at), at.k);
   }
   at.driven = select(plan.at_rest, real(1.0), real(0.0));
@@ -1058,7 +1051,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
                                      larger(absolute(e_d_x), absolute(e_d_z)));
   Mask keeps = both(tries, le(error, real(kSafe) * start.tolerance));
   if (!keeps) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
     at.h_cap = h * larger(real(0.1), real(0.9) * power(larger(ratio, real(kTinySquare)), kOrder));
     return false;
@@ -1078,7 +1071,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   Mask lands = both(keeps, le(beyond, real(kExtend) * h));
   const Mask distant = both(lands, lt(beyond, real(-kInside) * h));
   if (distant) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     at.h_cap = h + beyond;
     return false;
   }
@@ -1091,7 +1084,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   Real end_s_y = y6.s_y;
   Real dq_end = h;
   if (any(either(lands, crosses))) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     Real r0_t_y = -real(1.1270175653862835) * k0.t_y;
     r0_t_y = fma(real(2.675424484351598), k2.t_y, r0_t_y);
     r0_t_y = fma(real(-5.685526961588504), k3.t_y, r0_t_y);
@@ -1113,7 +1106,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     Real base_work = at.work;
     Real base_square = real(0.0);  // of v there
     if (any(crosses)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       const Real per_dv = per_h * near_inverse((v6 - v0) * per_h);
       Real t = -v0 * per_dv;
       for (int i = 0; i < 1; ++i) {
@@ -1140,12 +1133,12 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       rest = select(crosses, left, rest);
     }
     if (any(lands)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       Real t = fma(rest, per_h, real(1.0));
       // Where friction changes v_n by as much as is left of it, the end is more than a guess away.
       const Mask slow = both(lands, lt(v6, real(20.0) * absolute(rest)));
       if (any(slow)) {
-        CAROM_BRANCH();
+        __asm__ volatile("");
         for (int i = 0; i < 2; ++i) {
           const Real v = fma(real(2.0) * h, t, v0) + t_y(t);
           const Real since = work_since(t_y, base, t, v, h);
@@ -1227,9 +1220,7 @@ inline bool step_pressed(const Parameters& p, Contact& b, bool first, double c_x
   State at = begin(start, slips);
   bool done = false;
   for (int i = 0; i < kMostSteps && !done; ++i) {
-    CAROM_REGION_BEGIN("loop");
     done = advance(start, at);
-    CAROM_REGION_END("loop");
   }
   if (!done) return false;
 
@@ -1337,6 +1328,10 @@ inline void leave(const Parameters& p, const Contact& b, double* out1, double* o
   out2[7] = (b.o2y * b.f_y - b.o2x * b.f_x) * per_radius;
   out2[8] = (b.o2z) * per_radius;
 }
+
+// What lanes leave to one lane.
+int collide_one(const Parameters& p, const double* ball1, const double* ball2, double* out1,
+                double* out2);
 
 // ---- Batches: 8 lanes -----------------------------------------------------------------------
 // Collisions are taken up in order, a vector at a time, and fly in waves: each wave is a step of all that
@@ -1667,7 +1662,6 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
-  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -1678,7 +1672,6 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
-  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));
@@ -1835,7 +1828,6 @@ struct Origin {
 CAROM_INLINE Real shrink_to(Real length, Real most) {
   const Mask longer = gt(length, most);
   if (!any(longer)) return real(1.0);
-  CAROM_RARE();
   // Not by a select of the same mask, which Clang leaves out: it thinks that no division traps.
   return select(longer, most / larger(larger(length, most), real(kSlowest)), real(1.0));
 }
@@ -1902,6 +1894,37 @@ CAROM_INLINE void take(const Batch& batch, size_t first, int count, Taken& taken
   store(taken.goes + at, where(but_not(both(e.good, first_lanes(count)), o.level), real(1.0)));
 }
 
+// Collisions that lanes leave to one lane: made again from what came in, and written. How many were good.
+CAROM_NOINLINE size_t make_apart(const Batch& batch, size_t first, unsigned apart,
+                                 const Balls& balls, Real u_b) {
+  double in[18][kLanes], friction[kLanes];
+  for (int j = 0; j < 9; ++j) {
+    store(in[j], balls.one[j]);
+    store(in[j + 9], balls.two[j]);
+  }
+  store(friction, u_b);
+  size_t good = 0;
+  for (int i = 0; i < kLanes; ++i) {
+    if ((apart >> i & 1u) == 0) continue;
+    Parameters p = batch.p;
+    p.u_b = friction[i];
+    double ball1[9], ball2[9];
+    for (int j = 0; j < 9; ++j) {
+      ball1[j] = in[j][i];
+      ball2[j] = in[j + 9][i];
+    }
+    const int status = collide_one(p, ball1, ball2, ball1, ball2);
+    const size_t at = first + static_cast<size_t>(i);
+    for (int j = 0; j < 6; ++j) {
+      batch.out[j][at] = ball1[j + 3];
+      batch.out[j + 6][at] = ball2[j + 3];
+    }
+    if (batch.status != nullptr) batch.status[at] = static_cast<unsigned char>(status);
+    good += status == CAROM_OK;
+  }
+  return good;
+}
+
 // Writes `count` collisions from `first` on, from the results at `slot` on; how many were good.
 CAROM_INLINE size_t put_down(const Batch& batch, size_t first, int count, const Results& results,
                              int slot, const Before& before) {
@@ -1946,9 +1969,11 @@ CAROM_INLINE size_t put_down(const Batch& batch, size_t first, int count, const 
   b.o2z = fma(-real(2.5), sum_dx, b.o2z);
   b.v1z = b.v1z + larger(sum_dz, real(0.0));
   b.v2z = b.v2z - smaller(sum_dz, real(0.0));
-  const Mask lost = but_not(lt(q, none), o.level);
-  const Real status = select(lost, real(CAROM_BAD_INPUT), load(before.status + slot));
-  return leave(batch, first, count, balls, b, status);
+  const Mask apart = but_not(lt(q, none), o.level);
+  const Real status = select(apart, real(CAROM_BAD_INPUT), load(before.status + slot));
+  const size_t good = leave(batch, first, count, balls, b, status);
+  if (!any(apart)) return good;
+  return good + make_apart(batch, first, mask_bits(apart), balls, u_b);
 }
 
 }  // namespace frame
@@ -2323,7 +2348,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Mask late = both(gt(plan.l_c, real(kGone) * start.tolerance), gt(v_stuck, limit));
   const Mask sticks = but_not(both(tries, le(error, real(kSafe) * start.tolerance)), late);
   if (!all(sticks)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
     const Real cap = plan.l_c * larger(real(0.1), smaller(real(0.5), power(ratio, kOrder)));
     at.tail_cap = select(tries, cap, at.tail_cap);
@@ -2405,7 +2430,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   plan.at_rest = le(phi * l_s, real(kRest) * start.tolerance);
   const Mask stops = both(plan.at_rest, eq(at.driven, real(0.0)));
   if (any(stops)) {
-    CAROM_RARE();
     at.k = select_rates(stops, rates_at_rest(start, at), at.k);
   }
   at.driven = select(plan.at_rest, real(1.0), real(0.0));
@@ -2670,7 +2694,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   Real move_t_y = sum6_t_y;
   Real dq_end = h;
   if (any(either(lands, crosses))) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     Real r0_t_y = -real(1.1270175653862835) * k0.t_y;
     r0_t_y = fma(real(2.675424484351598), k2.t_y, r0_t_y);
     r0_t_y = fma(real(-5.685526961588504), k3.t_y, r0_t_y);
@@ -2692,7 +2716,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     Real base_work = at.work;
     Real base_square = real(0.0);  // of v there
     if (any(crosses)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       // The others trap nothing.
       const Real per_dv =
           where(crosses, per_h * near_inverse(select(crosses, (v6 - v0) * per_h, real(1.0))));
@@ -2721,12 +2745,11 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       rest = select(crosses, left, rest);
     }
     if (any(lands)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       Real t = fma(rest, per_h, real(1.0));
       // Where friction changes v_n by as much as is left of it, the end is more than a guess away.
       const Mask slow = both(lands, lt(v6, real(20.0) * absolute(rest)));
       if (any(slow)) {
-        CAROM_RARE();
         for (int i = 0; i < 2; ++i) {
           const Real v = fma(real(2.0) * h, t, v0) + t_y(t);
           const Real since = work_since(t_y, base, t, v, h);
@@ -3026,7 +3049,7 @@ CAROM_INLINE void put_aside(Works& works, Turn& turn) {
   const Plan& plan = turn.plan;
   const Mask sticks = both(turn.active, plan.sticks);
   if (any(sticks)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     push(works.sticking,
          Aside{flight, plan.l_c, plan.rest_error, select(plan.at_rest, real(1.0), real(0.0))},
          sticks);
@@ -3041,11 +3064,12 @@ CAROM_INLINE void end_turn(Works& works, Turn& turn, Flights& later) {
   const Mask steps = but_not(turn.active, done);
   done = either(done, make_step(flight.start, flight.at, turn.plan, steps));
   flight.turns = flight.turns + real(1.0);
-  const Mask lost = but_not(both(steps, gt(flight.turns, real(kMostSteps))), done);
-  if (any(lost)) {
-    CAROM_BRANCH();
-    flight.at.q = select(lost, real(-1.0), flight.at.q);
-    done = either(done, lost);
+  // What takes too long is left to one lane.
+  const Mask apart = but_not(both(steps, gt(flight.turns, real(kMostSteps))), done);
+  if (any(apart)) {
+    __asm__ volatile("");
+    flight.at.q = select(apart, real(-1.0), flight.at.q);
+    done = either(done, apart);
   }
   finish(works.ended, flight, done);
   push(later, flight, but_not(steps, done));
@@ -3088,10 +3112,8 @@ CAROM_INLINE void take_up(const Batch& batch, size_t first, int count, Places& p
   for (int i = 0; i < kLanes; i += frame::kPart) {
     const int left = count > i ? count - i : 0;
     const int some = left < frame::kPart ? left : frame::kPart;
-    CAROM_REGION_BEGIN("frame");
     frame::take(batch, first + static_cast<size_t>(some > 0 ? i : 0), some, taken, i, places.before,
                 slot + i);
-    CAROM_REGION_END("frame");
   }
   Flight flight{};
   flight.start.v_n = load(taken.v_n);
@@ -3138,10 +3160,8 @@ CAROM_NOINLINE size_t put_down(const Batch batch, Places& places) {
     const Group& group = places.groups[number];
     for (int at = 0; at < group.count; at += frame::kPart) {
       const int some = group.count - at < frame::kPart ? group.count - at : frame::kPart;
-      CAROM_REGION_BEGIN("leave");
       good += frame::put_down(batch, group.first + static_cast<size_t>(at), some, places.results,
                               number * kLanes + at, places.before);
-      CAROM_REGION_END("leave");
     }
     places.free[places.count_free++] = number;
   }
@@ -3161,9 +3181,7 @@ CAROM_NOINLINE size_t work_through(const Batch batch, size_t n, Waves& waves, Pl
     Flights& later = waves.flights[1 - wave];
     while (now.count <= (kWave - 1) * kLanes && next < n && places.count_free > 0) {
       const int some = n - next < kLanes ? static_cast<int>(n - next) : kLanes;
-      CAROM_REGION_BEGIN("take");
       take_up(batch, next, some, places, now);
-      CAROM_REGION_END("take");
       next += static_cast<size_t>(some);
     }
     later.count = 0;
@@ -3174,9 +3192,7 @@ CAROM_NOINLINE size_t work_through(const Batch batch, size_t n, Waves& waves, Pl
     }
     int at = 0;
     for (; at < whole; at += kLanes) {
-      CAROM_REGION_BEGIN("lanes");
       step_lanes(works, now, at, whole - at < kLanes ? whole - at : kLanes, e_b, later);
-      CAROM_REGION_END("lanes");
       if (works.sticking.count >= kLanes) stick_lanes(works, later, e_b);
     }
     for (at = whole; at < now.count; at += kLanes) {  // those that wait for new ones to fill up

@@ -4,8 +4,12 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v4/any/bottom_slip-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost
-// inputs:   sha256 f71492daf9b093c1
+// inputs:   sha256 a73c89d5cd4ff2ba
 // chosen:   the recipe that won on zen3; neither timed nor modelled for this target
+#if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
+#error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
+#endif
+
 #include "carom.h"
 
 #include <cmath>
@@ -27,39 +31,7 @@
     "sse3,ssse3,sse4.1,sse4.2,popcnt,avx,avx2,fma,f16c,bmi,bmi2,avx512f,avx512vl,avx512dq,avx512bw,avx512cd")
 #endif
 
-// Short functions that are called in many places of a step: a call would cost more than they do.
-// Unoptimised code must do without C++'s library: with GCC what is inlined may not seem to throw, with Clang
-// it is the word itself that asks for the library.
-#if !defined(__OPTIMIZE__)  // every inlined copy would have a place of its own on the stack
-#ifdef __clang__
-#define CAROM_INLINE inline
-#else
-#define CAROM_INLINE inline __attribute__((nothrow))
-#endif
-#elif defined(__clang__)
-#define CAROM_INLINE inline __attribute__((always_inline))
-#else
-#define CAROM_INLINE inline __attribute__((always_inline, nothrow))
-#endif
-// What is called in turn shares the stack; inlined it would add up.
-#ifdef __clang__
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline))
-#else
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline, nothrow))
-#endif
-
-// Keeps a branch a branch: what it decides is then guessed while it is still being computed.
-#define CAROM_BRANCH() __asm__ volatile("")
-
-#ifdef CAROM_MCA
-#define CAROM_REGION_BEGIN(name) __asm__ volatile("# LLVM-MCA-BEGIN " name)
-#define CAROM_REGION_END(name) __asm__ volatile("# LLVM-MCA-END " name)
-#define CAROM_RARE() __asm__ volatile("# CAROM-RARE")
-#else
-#define CAROM_RARE() static_cast<void>(0)
-#define CAROM_REGION_BEGIN(name) static_cast<void>(0)
-#define CAROM_REGION_END(name) static_cast<void>(0)
-#endif
+// Below, an empty `__asm__` keeps a branch a branch: what it decides is then guessed while it is still being computed.
 
 namespace {
 
@@ -207,7 +179,7 @@ constexpr std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64
 // whose inverse cannot be cubed.
 inline double exact_rsqrt(double n) {
   if (!(n > 1e-200)) return 0.0;
-  CAROM_BRANCH();  // Clang would divide by 0 as well, and select
+  __asm__ volatile("");  // Clang would divide by 0 as well, and select
   return 1.0 / std::sqrt(n);
 }
 
@@ -221,7 +193,6 @@ inline double refined(double n, double guess, double bound) {
   const double square = guess * guess;
   const double half_cube = -0.5 * guess * square;
   if (__builtin_expect(!(std::fabs(1.0 - n * square) < bound), 0)) {
-    CAROM_RARE();
     return exact_rsqrt(n);
   }
   return std::fma(half_cube, n, 1.5 * guess);
@@ -258,7 +229,6 @@ inline void iterate_level(const Parameters& p, Contact& b, int steps) {
   // Compression
   while (v_n <= 0.0) {
     if (++count > limit) break;
-    CAROM_REGION_BEGIN("aside");
     const double v_n_before = v_n;
     const double d_x = std::fabs(c_x) < kNoSlip ? 0.0 : -std::copysign(k_b, c_x);
     c_x = std::fma(7.0, d_x, c_x);
@@ -268,8 +238,6 @@ inline void iterate_level(const Parameters& p, Contact& b, int steps) {
 
     sum_dx += d_x;
     W += half_dP * std::fabs(v_n_before + v_n);
-
-    CAROM_REGION_END("aside");
   }
   if (steady) W_f = (1.0 + p.e_b * p.e_b) * W;
   // Restitution
@@ -335,7 +303,6 @@ inline bool iterate_pressed_1(const Parameters& p, Contact& b, Progress& so_far,
   // Compression
   while (v_n <= 0.0) {
     if (++count > limit) break;
-    CAROM_REGION_BEGIN("loop");
     if (__builtin_expect(!(c_z > kNoSlip), 0)) {
       steady = false;
       break;
@@ -369,8 +336,6 @@ inline bool iterate_pressed_1(const Parameters& p, Contact& b, Progress& so_far,
     v_n = v2y - v1y;
 
     W += half_dP * std::fabs(v_n_before + v_n);
-
-    CAROM_REGION_END("loop");
   }
   if (steady) W_f = (1.0 + p.e_b * p.e_b) * W;
   // Restitution
@@ -472,7 +437,6 @@ inline bool iterate_pressed_2(const Parameters& p, Contact& b, Progress& so_far,
   // Compression
   while (v_n <= 0.0) {
     if (++count > limit) break;
-    CAROM_REGION_BEGIN("loop");
     if (__builtin_expect(!(c_z < -kNoSlip), 0)) {
       steady = false;
       break;
@@ -506,8 +470,6 @@ inline bool iterate_pressed_2(const Parameters& p, Contact& b, Progress& so_far,
     v_n = v2y - v1y;
 
     W += half_dP * std::fabs(v_n_before + v_n);
-
-    CAROM_REGION_END("loop");
   }
   if (steady) W_f = (1.0 + p.e_b * p.e_b) * W;
   // Restitution
@@ -607,7 +569,6 @@ inline void iterate_general(const Parameters& p, Contact& b, const Progress& so_
 
   while (v_n < 0.0 || W < W_f) {
     if (++count > limit) break;
-    CAROM_REGION_BEGIN("aside");
     const double n_c = std::fma(c_z, c_z, c_x * c_x);
     const double i_c = exact_rsqrt(n_c);
 
@@ -665,7 +626,6 @@ inline void iterate_general(const Parameters& p, Contact& b, const Progress& so_
       W_f = (1.0 + p.e_b * p.e_b) * W;
       compressed = true;
     }
-    CAROM_REGION_END("aside");
   }
   b.v1x = v1x;
   b.v1y = v1y;

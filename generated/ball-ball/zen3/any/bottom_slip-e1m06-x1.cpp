@@ -4,8 +4,12 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/bottom_slip-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 6c12591c63472974
+// inputs:   sha256 136ea5f3f451daa7
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 24 records of ball-ball/any/mathavan2014-e1m06-scalar, as none of these kernels; largest error under the worst root estimates 5.51e-07
+#if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
+#error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
+#endif
+
 #include "carom.h"
 
 #include <cmath>
@@ -39,25 +43,8 @@
 #else
 #define CAROM_INLINE inline __attribute__((always_inline, nothrow))
 #endif
-// What is called in turn shares the stack; inlined it would add up.
-#ifdef __clang__
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline))
-#else
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline, nothrow))
-#endif
 
-// Keeps a branch a branch: what it decides is then guessed while it is still being computed.
-#define CAROM_BRANCH() __asm__ volatile("")
-
-#ifdef CAROM_MCA
-#define CAROM_REGION_BEGIN(name) __asm__ volatile("# LLVM-MCA-BEGIN " name)
-#define CAROM_REGION_END(name) __asm__ volatile("# LLVM-MCA-END " name)
-#define CAROM_RARE() __asm__ volatile("# CAROM-RARE")
-#else
-#define CAROM_RARE() static_cast<void>(0)
-#define CAROM_REGION_BEGIN(name) static_cast<void>(0)
-#define CAROM_REGION_END(name) static_cast<void>(0)
-#endif
+// Below, an empty `__asm__` keeps a branch a branch: what it decides is then guessed while it is still being computed.
 
 namespace {
 
@@ -648,7 +635,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Mask late = both(gt(plan.l_c, real(kGone) * start.tolerance), gt(v_stuck, limit));
   const Mask sticks = but_not(both(tries, le(error, real(kSafe) * start.tolerance)), late);
   if (!all(sticks)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
     const Real cap = plan.l_c * larger(real(0.1), smaller(real(0.5), power(ratio, kOrder)));
     at.tail_cap = select(tries, cap, at.tail_cap);
@@ -669,7 +656,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
 // `bound` where it is shorter than `h`: what rarely happens is guessed in one lane, not waited for.
 CAROM_INLINE Real shorter(Real h, Real bound) {
   if (bound < h) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     return bound;
   }
   return h;
@@ -678,7 +665,7 @@ CAROM_INLINE Real shorter(Real h, Real bound) {
 // What one lane leaves out where it need not be done; several always do it, since a branch that is
 // guessed wrongly costs them more.
 CAROM_INLINE bool wanted(Mask m) {
-  if (m) CAROM_BRANCH();
+  if (m) __asm__ volatile("");
   return m;
 }
 
@@ -732,7 +719,7 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   plan.at_rest = le(phi * l_s, real(kRest) * start.tolerance);
   const Mask stops = both(plan.at_rest, eq(at.driven, real(0.0)));
   if (any(stops)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     at.k = select_rates(stops, rates_at_rest(start, at), at.k);
   }
   at.driven = select(plan.at_rest, real(1.0), real(0.0));
@@ -1054,7 +1041,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
                                      larger(absolute(e_d_x), absolute(e_d_z)));
   Mask keeps = both(tries, le(error, real(kSafe) * start.tolerance));
   if (!keeps) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
     at.h_cap = h * larger(real(0.1), real(0.9) * power(larger(ratio, real(kTinySquare)), kOrder));
     return false;
@@ -1074,7 +1061,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   Mask lands = both(keeps, le(beyond, real(kExtend) * h));
   const Mask distant = both(lands, lt(beyond, real(-kInside) * h));
   if (distant) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     at.h_cap = h + beyond;
     return false;
   }
@@ -1087,7 +1074,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   Real end_s_y = y6.s_y;
   Real dq_end = h;
   if (any(either(lands, crosses))) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     Real r0_t_y = -real(1.1270175653862835) * k0.t_y;
     r0_t_y = fma(real(2.675424484351598), k2.t_y, r0_t_y);
     r0_t_y = fma(real(-5.685526961588504), k3.t_y, r0_t_y);
@@ -1109,7 +1096,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     Real base_work = at.work;
     Real base_square = real(0.0);  // of v there
     if (any(crosses)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       const Real per_dv = per_h * near_inverse((v6 - v0) * per_h);
       Real t = -v0 * per_dv;
       for (int i = 0; i < 1; ++i) {
@@ -1136,12 +1123,12 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       rest = select(crosses, left, rest);
     }
     if (any(lands)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       Real t = fma(rest, per_h, real(1.0));
       // Where friction changes v_n by as much as is left of it, the end is more than a guess away.
       const Mask slow = both(lands, lt(v6, real(20.0) * absolute(rest)));
       if (any(slow)) {
-        CAROM_BRANCH();
+        __asm__ volatile("");
         for (int i = 0; i < 2; ++i) {
           const Real v = fma(real(2.0) * h, t, v0) + t_y(t);
           const Real since = work_since(t_y, base, t, v, h);
@@ -1223,9 +1210,7 @@ inline bool step_pressed(const Parameters& p, Contact& b, bool first, double c_x
   State at = begin(start, slips);
   bool done = false;
   for (int i = 0; i < kMostSteps && !done; ++i) {
-    CAROM_REGION_BEGIN("loop");
     done = advance(start, at);
-    CAROM_REGION_END("loop");
   }
   if (!done) return false;
 

@@ -4,8 +4,12 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/zen3/any/bottom_slip-n1000-x4 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
-// inputs:   sha256 48c581cf4ec06e41
+// inputs:   sha256 206cd94a2958caca
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29, 9 records of ball-ball/any/mathavan2014-n1000-batch, as none of these kernels; largest error under the worst root estimates 5.74e-06
+#if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
+#error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
+#endif
+
 #include "carom.h"
 
 #include <cmath>
@@ -41,23 +45,12 @@
 #endif
 // What is called in turn shares the stack; inlined it would add up.
 #ifdef __clang__
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline))
+#define CAROM_NOINLINE static __attribute__((noinline))
 #else
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline, nothrow))
+#define CAROM_NOINLINE static __attribute__((noinline, nothrow))
 #endif
 
-// Keeps a branch a branch: what it decides is then guessed while it is still being computed.
-#define CAROM_BRANCH() __asm__ volatile("")
-
-#ifdef CAROM_MCA
-#define CAROM_REGION_BEGIN(name) __asm__ volatile("# LLVM-MCA-BEGIN " name)
-#define CAROM_REGION_END(name) __asm__ volatile("# LLVM-MCA-END " name)
-#define CAROM_RARE() __asm__ volatile("# CAROM-RARE")
-#else
-#define CAROM_RARE() static_cast<void>(0)
-#define CAROM_REGION_BEGIN(name) static_cast<void>(0)
-#define CAROM_REGION_END(name) static_cast<void>(0)
-#endif
+// Below, an empty `__asm__` keeps a branch a branch: what it decides is then guessed while it is still being computed.
 
 namespace {
 
@@ -207,7 +200,7 @@ constexpr std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64
 // whose inverse cannot be cubed.
 inline double exact_rsqrt(double n) {
   if (!(n > 1e-200)) return 0.0;
-  CAROM_BRANCH();  // Clang would divide by 0 as well, and select
+  __asm__ volatile("");  // Clang would divide by 0 as well, and select
   return 1.0 / std::sqrt(n);
 }
 
@@ -221,7 +214,6 @@ inline double refined(double n, double guess, double bound) {
   const double square = guess * guess;
   const double half_cube = -0.5 * guess * square;
   if (__builtin_expect(!(std::fabs(1.0 - n * square) < bound), 0)) {
-    CAROM_RARE();
     return exact_rsqrt(n);
   }
   return std::fma(half_cube, n, 1.5 * guess);
@@ -258,7 +250,6 @@ inline void iterate_level(const Parameters& p, Contact& b, int steps) {
   // Compression
   while (v_n <= 0.0) {
     if (++count > limit) break;
-    CAROM_REGION_BEGIN("aside");
     const double v_n_before = v_n;
     const double d_x = std::fabs(c_x) < kNoSlip ? 0.0 : -std::copysign(k_b, c_x);
     c_x = std::fma(7.0, d_x, c_x);
@@ -268,8 +259,6 @@ inline void iterate_level(const Parameters& p, Contact& b, int steps) {
 
     sum_dx += d_x;
     W += half_dP * std::fabs(v_n_before + v_n);
-
-    CAROM_REGION_END("aside");
   }
   if (steady) W_f = (1.0 + p.e_b * p.e_b) * W;
   // Restitution
@@ -335,7 +324,6 @@ inline bool iterate_pressed_1(const Parameters& p, Contact& b, Progress& so_far,
   // Compression
   while (v_n <= 0.0) {
     if (++count > limit) break;
-    CAROM_REGION_BEGIN("loop");
     if (__builtin_expect(!(c_z > kNoSlip), 0)) {
       steady = false;
       break;
@@ -369,8 +357,6 @@ inline bool iterate_pressed_1(const Parameters& p, Contact& b, Progress& so_far,
     v_n = v2y - v1y;
 
     W += half_dP * std::fabs(v_n_before + v_n);
-
-    CAROM_REGION_END("loop");
   }
   if (steady) W_f = (1.0 + p.e_b * p.e_b) * W;
   // Restitution
@@ -472,7 +458,6 @@ inline bool iterate_pressed_2(const Parameters& p, Contact& b, Progress& so_far,
   // Compression
   while (v_n <= 0.0) {
     if (++count > limit) break;
-    CAROM_REGION_BEGIN("loop");
     if (__builtin_expect(!(c_z < -kNoSlip), 0)) {
       steady = false;
       break;
@@ -506,8 +491,6 @@ inline bool iterate_pressed_2(const Parameters& p, Contact& b, Progress& so_far,
     v_n = v2y - v1y;
 
     W += half_dP * std::fabs(v_n_before + v_n);
-
-    CAROM_REGION_END("loop");
   }
   if (steady) W_f = (1.0 + p.e_b * p.e_b) * W;
   // Restitution
@@ -607,7 +590,6 @@ inline void iterate_general(const Parameters& p, Contact& b, const Progress& so_
 
   while (v_n < 0.0 || W < W_f) {
     if (++count > limit) break;
-    CAROM_REGION_BEGIN("aside");
     const double n_c = std::fma(c_z, c_z, c_x * c_x);
     const double i_c = exact_rsqrt(n_c);
 
@@ -665,7 +647,6 @@ inline void iterate_general(const Parameters& p, Contact& b, const Progress& so_
       W_f = (1.0 + p.e_b * p.e_b) * W;
       compressed = true;
     }
-    CAROM_REGION_END("aside");
   }
   b.v1x = v1x;
   b.v1y = v1y;
@@ -1047,7 +1028,6 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
-  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -1058,7 +1038,6 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
-  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));
@@ -1342,10 +1321,8 @@ CAROM_INLINE void make_step(Flight& f) {
 template <class Flight>
 CAROM_INLINE void make_steps(Flight& f, int count) {
   for (int i = 0; i < count; ++i) {
-    if constexpr (Flight::kUsual) CAROM_REGION_BEGIN("lanes");
     step_once(f);
     f.pace.sum = f.pace.sum + f.pace.v;
-    if constexpr (Flight::kUsual) CAROM_REGION_END("lanes");
   }
   f.pace.steps = f.pace.steps + real(count);
 }
@@ -1398,7 +1375,6 @@ CAROM_NOINLINE void run_all(Real share, Flight& flight, Mask active, Real (&at_e
 // out, and the velocities along y change places and signs: the equations stay the same.
 
 struct Steady {
-  static constexpr bool kUsual = true;
   Pace pace;
   Real c_x, c_z;  // contact slip, c_z < 0
   Real s_x, s_y;  // table slip
@@ -1455,7 +1431,6 @@ constexpr int kSteady = sizeof(Steady) / sizeof(Real);
 // ---- No ball pressed ----------------------------------------------------------------------------
 
 struct Level {
-  static constexpr bool kUsual = false;
   Pace pace;  // friction is u_b dq
   Real c_x;   // contact slip
 };
@@ -1479,7 +1454,6 @@ CAROM_INLINE void keep(const Level& f, const End& end, Real (&at_end)[2]) {
 // ---- Either ball pressed, anew in each step -----------------------------------------------------
 
 struct Chatter {
-  static constexpr bool kUsual = false;
   Pace pace;
   Real c_x, c_z;            // contact slip
   Real s1x, s1y, s2x, s2y;  // table slips

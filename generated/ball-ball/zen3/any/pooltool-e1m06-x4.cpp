@@ -4,8 +4,12 @@
 // recipe:   dp54 root=cubic fma=fma lane_root=cubic
 // counts:   18 add, 109 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/pooltool-e1m06-x4 dp54 root=cubic fma=fma lane_root=cubic
-// inputs:   sha256 b7312e64b6e4f37f
+// inputs:   sha256 3e6b82b3401905ef
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29, 8 records, 8 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 3.05e-07
+#if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
+#error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
+#endif
+
 #include "carom.h"
 
 #include <cmath>
@@ -41,23 +45,12 @@
 #endif
 // What is called in turn shares the stack; inlined it would add up.
 #ifdef __clang__
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline))
+#define CAROM_NOINLINE static __attribute__((noinline))
 #else
-#define CAROM_NOINLINE [[maybe_unused]] static __attribute__((noinline, nothrow))
+#define CAROM_NOINLINE static __attribute__((noinline, nothrow))
 #endif
 
-// Keeps a branch a branch: what it decides is then guessed while it is still being computed.
-#define CAROM_BRANCH() __asm__ volatile("")
-
-#ifdef CAROM_MCA
-#define CAROM_REGION_BEGIN(name) __asm__ volatile("# LLVM-MCA-BEGIN " name)
-#define CAROM_REGION_END(name) __asm__ volatile("# LLVM-MCA-END " name)
-#define CAROM_RARE() __asm__ volatile("# CAROM-RARE")
-#else
-#define CAROM_RARE() static_cast<void>(0)
-#define CAROM_REGION_BEGIN(name) static_cast<void>(0)
-#define CAROM_REGION_END(name) static_cast<void>(0)
-#endif
+// Below, an empty `__asm__` keeps a branch a branch: what it decides is then guessed while it is still being computed.
 
 namespace {
 
@@ -285,22 +278,22 @@ inline double inverse_of_power(double power) {
 // v_n = 0 and restitution at v_n^2 = e_b^2 (v_n0^2 + 2 J_c) + 2 (J - J_c). A step may pass the first and
 // stops at the second, both found on the step's own interpolant: nothing overshoots.
 
-constexpr double kTolerance = 2.5e-07;  // of a step, relative to |v1 - v2|
+constexpr double kTolerance = 2.1e-07;  // of a step, relative to |v1 - v2|
 constexpr double kTurn = 2.3;           // scale of steps by the turning of the contact slip
 constexpr double kTable = 7.0;          // scale of steps by the distance of s from zero
-constexpr double kPassage = 0.05;       // error of a passage of s by zero, in tolerances
-constexpr double kDepart = 10.0;        // error of the first step from rest, in tolerances
+constexpr double kPassage = 0.0167;     // error of a passage of s by zero, in tolerances
+constexpr double kDepart = 1.0;         // error of the first step from rest, in tolerances
 constexpr double kTableError = 3.0;     // weight of the errors of table friction
 constexpr double kTail = 8.0;           // weight of the error of the step into sticking
-constexpr double kCounts = 0.0605;      // friction on the table that is of account, in tolerances
-constexpr double kGone = 0.04;          // contact slip that counts as gone, in tolerances
+constexpr double kCounts = 0.072;       // friction on the table that is of account, in tolerances
+constexpr double kGone = 0.0476;        // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     2.19;  // of what is left of table friction, that step may miss where s passes zero
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
 constexpr double kRest = 6e-05;      // table slip that counts as zero, in tolerances / friction
-constexpr double kStrong = 0.2;      // share of steps where the table drives its slip on strongly
+constexpr double kMostGrown = 1.5;   // logarithm of what the table may make of an error
 constexpr double kTinySlip = 1e-15;  // table slip with a direction, but of no account
 constexpr double kExtend = 0.05;  // of a step: how far its interpolant may be used beyond its end
 constexpr double kInside = 0.05;  // and before it, for the end of the collision
@@ -335,6 +328,8 @@ struct State {
   Real h_cap;     // no longer step now: by the error of the last one
   Real tail_cap;  // no step into sticking from a larger contact slip
   Real driven;    // 1 if the rates are those of zero table slip
+  Real
+      grown;  // logarithm, at most, of what the table has made of an error: it drives s away from zero
 };
 
 // Impulses for `pace` units of q.
@@ -476,7 +471,9 @@ struct Plan {
   Real l_c;         // contact slip
   Real rest_error;  // of a step into sticking: by the distance of s from zero
   Mask at_rest;     // is table slip as good as zero?
-  Mask runs;        // or does the table drive it away from zero, whichever way it points?
+  Real l_s, phi;    // table slip; table friction per unit of q
+  Mask counts;      // does it matter to the step which way that points?
+  Mask runs;        // does the table drive the slip away from zero, whichever way it points?
   Mask sticks;      // is it the step into sticking?
   Mask goes_on;     // or is the collision over?
 };
@@ -645,7 +642,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Mask late = both(gt(plan.l_c, real(kGone) * start.tolerance), gt(v_stuck, limit));
   const Mask sticks = but_not(both(tries, le(error, real(kSafe) * start.tolerance)), late);
   if (!all(sticks)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
     const Real cap = plan.l_c * larger(real(0.1), smaller(real(0.5), power(ratio, kOrder)));
     at.tail_cap = select(tries, cap, at.tail_cap);
@@ -653,6 +650,41 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Real dq = real(0.5) * (v_last - at.v - t_tail_y);
   const Real move_s_x = fma(real(-1.5), t_tail_x, -d_tail_x);
   const Real move_s_y = fma(real(-1.5), t_tail_y, fma(real(-2.5), d_tail_z, dq));
+  {
+    const Real l_1 = n_1 * per_1;
+    const Real on_way = real(1.5) * left;
+    const Real d_x = s_x - s_x0;
+    const Real d_y = s_y - s_y0;
+    const Real both_ends = n_0 * per_0 + l_1;
+    const Real n_d = fma(d_x, d_x, fma(d_y, d_y, real(kTinySquare)));
+    const Real per_d = rough_rsqrt(n_d);
+    const Real beyond = both_ends + n_d * per_d;
+    // l^2 - d^2 = 2 (|s_0| |s_1| + s_0 s_1); slip that counts as none is not passed.
+    const Real apart =
+        larger(real(2.0) * fma(real(0.99) * (n_0 * per_0), l_1,
+                               select(plan.at_rest, real(0.0), fma(s_x0, s_x, s_y0 * s_y))),
+               real(1e-12) * beyond * beyond);
+    const Real per_apart = rough_inverse(apart);
+    const Real grows =
+        on_way * smaller(real(2.0) * both_ends * per_apart,
+                         per_d * fma(real(44.3614195558365), power(beyond * beyond * per_apart, 1),
+                                     real(-44.3)));
+    // Slip that counted as none is an error of its own size, not of a tolerance.
+    const Real more = select(
+        plan.at_rest,
+        larger(grows -
+                   fma(real(44.3614195558365),
+                       power(start.tolerance * rough_inverse(fma(smaller(grows, real(1.0)),
+                                                                 real(2.5) * (absolute(at.s_x) +
+                                                                              absolute(at.s_y)),
+                                                                 real(kTinySquare))),
+                             1),
+                       real(-44.3614195558365)) +
+                   real(kMostGrown),
+               real(0.0)),
+        grows);
+    at.grown = select(sticks, at.grown + more, at.grown);
+  }
   at.q = select(sticks, at.q + dq, at.q);
   at.c_x = select(sticks, real(0.0), at.c_x);
   at.c_z = select(sticks, real(0.0), at.c_z);
@@ -666,7 +698,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
 // `bound` where it is shorter than `h`: what rarely happens is guessed in one lane, not waited for.
 CAROM_INLINE Real shorter(Real h, Real bound) {
   if (bound < h) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     return bound;
   }
   return h;
@@ -675,37 +707,21 @@ CAROM_INLINE Real shorter(Real h, Real bound) {
 // What one lane leaves out where it need not be done; several always do it, since a branch that is
 // guessed wrongly costs them more.
 CAROM_INLINE bool wanted(Mask m) {
-  if (m) CAROM_BRANCH();
+  if (m) __asm__ volatile("");
   return m;
 }
 
-// What an error near zero table slip grows by until the end of the collision: the table drives the slip
-// on by `push`, all else by `drift`, from `size` to about `large`.
-CAROM_INLINE Real growth(Real push, Real drift, Real size, Real large) {
-  const Real ratio = larger(real(1.0), large * rough_inverse(size + real(kTinySquare)));
-  const Real less = select(gt(push, real(0.05) * drift), power(ratio, 16), power(ratio, 8));
-  const Real more = select(gt(push, real(0.3) * drift), ratio, power(ratio, 32));
-  return select(gt(push, real(0.12) * drift), more, less);
-}
-
 // Lengths by the passage of the table slip s by zero, with the rates b = s' at distance l_s.
-CAROM_INLINE void pass_zero(const Start& start, Real rest, Real turn, Real per_c, Real phi,
-                            Real l_b, Real per_b, Real along, Real miss, Real reach, Mask counts,
+CAROM_INLINE void pass_zero(const Start& start, Real turn, Real per_c, Real phi, Real l_s, Real l_b,
+                            Real per_b, Real along, Real miss, Real reach, Mask counts,
                             Plan& plan) {
   const Real omega = real(21.0) * start.u_b * start.u_b * turn * per_c;
-  const Real push = real(1.5) * phi;
-  const Mask strong = both(counts, gt(push, real(0.35) * l_b));
-  if (wanted(strong)) {
-    plan.h = select(strong, smaller(plan.h, real(kStrong) * plan.step_c), plan.h);
-  }
   const Mask departs = but_not(both(counts, either(plan.at_rest, ge(along, real(0.0)))), plan.runs);
   if (wanted(departs)) {
     const Real leaving = larger(real(0.01) * phi, fma(real(-1.5), phi, l_b));
     const Real drift = select(plan.at_rest, l_b, leaving);
     const Real spin = (phi + real(kTinySquare)) * omega;
-    const Real grows = growth(push, drift, l_b * reach + real(kTolerance), l_b * rest);
-    const Real first =
-        real(kDepart) * start.tolerance * (drift + phi) * drift * drift * rough_inverse(grows);
+    const Real first = real(kDepart) * start.tolerance * (drift + phi) * drift * drift;
     const Real least =
         larger(reach, power(first * rough_inverse(fma(spin, spin, real(kTinySquare))), 21));
     plan.h = shorter(plan.h, select(departs, least, plan.h));
@@ -719,14 +735,15 @@ CAROM_INLINE void pass_zero(const Start& start, Real rest, Real turn, Real per_c
     const Real curved = larger(miss, real(0.05) * omega * per_b * closest * closest);
     // Its direction decides, and turns until the slip has grown: met by its length.
     const Real size = select(either(within, plan.runs), reach, select(approaches, curved, miss));
-    const Real swell = size * growth(push, l_b, size, rest);
     const Real room =
-        real(kPassage) * start.tolerance * rough_inverse(fma(phi, swell, real(kTinySquare)));
+        real(kPassage) * start.tolerance * rough_inverse(fma(phi, size, real(kTinySquare)));
     const Real most = select(plan.runs, real(0.5), real(20.0));
-    const Real table = select(strong, real(kStrong * kTable), real(kTable));
+    const Real table = real(kTable);
     const Real share = smaller(table * power(room, kOrder), select(within, real(1.0), most));
     Real length = way * share;
     length = select(approaches, length * rough_inverse(real(1.0) + share), length);
+    length =
+        smaller(length, real(0.5) * l_s * rough_inverse(fma(real(1.5), phi, real(kTinySquare))));
     plan.h = shorter(plan.h, select(moves, length, plan.h));
   }
 }
@@ -742,6 +759,8 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   const Real l_s = n_s * per_s;
   const Real phi = -start.u_s * start.u_b * per_c * at.c_z;
   plan.l_c = l_c;
+  plan.l_s = l_s;
+  plan.phi = phi;
 
   // Where the table slip goes: b is its rate of change.
   plan.at_rest = le(phi * l_s, real(kRest) * start.tolerance);
@@ -758,7 +777,7 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   plan.at_rest = but_not(plan.at_rest, plan.runs);
   const Mask stops = both(plan.at_rest, eq(at.driven, real(0.0)));
   if (any(stops)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     at.k = select_rates(stops, rates_at_rest(start, at), at.k);
   }
   at.driven = select(plan.at_rest, real(1.0), real(0.0));
@@ -805,8 +824,9 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
                   power(real(kSafe * 7.0) * start.tolerance * per_c * rough_inverse(turn), kOrder));
   plan.h = shorter(at.rest, plan.step_c);
   const Mask counts = gt(phi * plan.h, real(kCounts) * start.tolerance);
+  plan.counts = counts;
   if (wanted(counts)) {
-    pass_zero(start, at.rest, turn, per_c, phi, l_b, per_b, along, miss, reach, counts, plan);
+    pass_zero(start, turn, per_c, phi, l_s, l_b, per_b, along, miss, reach, counts, plan);
   }
   plan.h = shorter(plan.h, at.h_cap);
   const Mask halves = both(lt(plan.h, at.rest), gt(real(2.0) * plan.h, at.rest));
@@ -1080,7 +1100,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
                                      larger(absolute(e_d_x), absolute(e_d_z)));
   Mask keeps = both(tries, le(error, real(kSafe) * start.tolerance));
   if (!keeps) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
     at.h_cap = h * larger(real(0.1), real(0.9) * power(larger(ratio, real(kTinySquare)), kOrder));
     return false;
@@ -1100,7 +1120,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   Mask lands = both(keeps, le(beyond, real(kExtend) * h));
   const Mask distant = both(lands, lt(beyond, real(-kInside) * h));
   if (distant) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     at.h_cap = h + beyond;
     return false;
   }
@@ -1113,7 +1133,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   Real end_s_y = y6.s_y;
   Real dq_end = h;
   if (any(either(lands, crosses))) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     Real r0_t_y = -real(1.1270175653862835) * k0.t_y;
     r0_t_y = fma(real(2.675424484351598), k2.t_y, r0_t_y);
     r0_t_y = fma(real(-5.685526961588504), k3.t_y, r0_t_y);
@@ -1135,7 +1155,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     Real base_work = at.work;
     Real base_square = real(0.0);  // of v there
     if (any(crosses)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       const Real per_dv = per_h * near_inverse((v6 - v0) * per_h);
       Real t = -v0 * per_dv;
       for (int i = 0; i < 1; ++i) {
@@ -1162,12 +1182,12 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       rest = select(crosses, left, rest);
     }
     if (any(lands)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       Real t = fma(rest, per_h, real(1.0));
       // Where friction changes v_n by as much as is left of it, the end is more than a guess away.
       const Mask slow = both(lands, lt(v6, real(20.0) * absolute(rest)));
       if (any(slow)) {
-        CAROM_BRANCH();
+        __asm__ volatile("");
         for (int i = 0; i < 2; ++i) {
           const Real v = fma(real(2.0) * h, t, v0) + t_y(t);
           const Real since = work_since(t_y, base, t, v, h);
@@ -1198,10 +1218,2090 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       dq_end = select(lands, dq, dq_end);
     }
   }
+  if (wanted(plan.counts)) {
+    const Real n_1 = fma(end_s_x, end_s_x, fma(end_s_y, end_s_y, real(kTinySquare)));
+    const Real l_1 = n_1 * rough_rsqrt(n_1);
+    const Real on_way = real(1.5) * plan.phi * dq_end;
+    const Real d_x = end_s_x - at.s_x;
+    const Real d_y = end_s_y - at.s_y;
+    const Real both_ends = plan.l_s + l_1;
+    const Real n_d = fma(d_x, d_x, fma(d_y, d_y, real(kTinySquare)));
+    const Real per_d = rough_rsqrt(n_d);
+    const Real beyond = both_ends + n_d * per_d;
+    // l^2 - d^2 = 2 (|s_0| |s_1| + s_0 s_1); slip that counts as none is not passed.
+    const Real apart = larger(
+        real(2.0) * fma(real(0.99) * plan.l_s, l_1,
+                        select(plan.at_rest, real(0.0), fma(at.s_x, end_s_x, at.s_y * end_s_y))),
+        real(1e-12) * beyond * beyond);
+    const Real per_apart = rough_inverse(apart);
+    const Real grows =
+        on_way * smaller(real(2.0) * both_ends * per_apart,
+                         per_d * fma(real(44.3614195558365), power(beyond * beyond * per_apart, 1),
+                                     real(-44.3)));
+    // Slip that counted as none is an error of its own size, not of a tolerance.
+    const Real more = select(
+        plan.at_rest,
+        larger(grows -
+                   fma(real(44.3614195558365),
+                       power(start.tolerance * rough_inverse(fma(smaller(grows, real(1.0)),
+                                                                 real(2.5) * (absolute(at.s_x) +
+                                                                              absolute(at.s_y)),
+                                                                 real(kTinySquare))),
+                             1),
+                       real(-44.3614195558365)) +
+                   real(kMostGrown),
+               real(0.0)),
+        grows);
+    at.grown = select(keeps, at.grown + more, at.grown);
+  }
   at.rest = select(keeps, rest, at.rest);
   at.work = select(keeps, work, at.work);
   at.v = select(keeps, v6, at.v);
   at.q = select(keeps, at.q + dq_end, at.q);
+  at.c_x = select(keeps, end_c_x, at.c_x);
+  at.c_z = select(keeps, end_c_z, at.c_z);
+  at.s_x = select(keeps, end_s_x, at.s_x);
+  at.s_y = select(keeps, end_s_y, at.s_y);
+  at.k = select_rates(keeps, k_end, at.k);
+  at.driven = select(keeps, real(0.0), at.driven);
+  at.h_cap = select(keeps, real(10.0) * h, at.h_cap);
+  return lands;
+}
+
+// What the fast stepper leaves: collisions in which an error made early has grown by the end.
+namespace careful {
+
+// ---- Lane vocabulary: one lane ------------------------------------------------------------------
+
+typedef double Real;
+typedef bool Mask;
+
+[[maybe_unused]] constexpr Real real(double x) { return static_cast<Real>(x); }
+[[maybe_unused]] inline Real fma(Real a, Real b, Real c) { return std::fma(a, b, c); }
+[[maybe_unused]] inline Real absolute(Real x) { return std::fabs(x); }
+[[maybe_unused]] inline Real larger(Real a, Real b) { return a > b ? a : b; }
+[[maybe_unused]] inline Real smaller(Real a, Real b) { return a < b ? a : b; }
+[[maybe_unused]] inline Real sqrt(Real x) { return std::sqrt(x); }
+[[maybe_unused]] inline Mask lt(Real a, Real b) { return a < b; }
+[[maybe_unused]] inline Mask le(Real a, Real b) { return a <= b; }
+[[maybe_unused]] inline Mask gt(Real a, Real b) { return a > b; }
+[[maybe_unused]] inline Mask ge(Real a, Real b) { return a >= b; }
+[[maybe_unused]] inline Mask eq(Real a, Real b) { return a == b; }
+[[maybe_unused]] inline Mask both(Mask a, Mask b) { return a && b; }
+[[maybe_unused]] inline Mask either(Mask a, Mask b) { return a || b; }
+[[maybe_unused]] inline Mask inverse(Mask a) { return !a; }
+[[maybe_unused]] inline Mask but_not(Mask a, Mask b) { return a && !b; }
+[[maybe_unused]] inline Real select(Mask m, Real yes, Real no) { return m ? yes : no; }
+[[maybe_unused]] inline bool any(Mask m) { return m; }
+[[maybe_unused]] inline bool all(Mask m) { return m; }
+[[maybe_unused]] inline Real rsqrt_estimate(Real n) { return 1.0 / std::sqrt(n); }
+// x^(n/64) to 7 %, x > 0: the exponent is scaled in the bits.
+[[maybe_unused]] inline Real power(Real x, int n) {
+  const double wide = x;
+  std::int64_t bits;
+  std::memcpy(&bits, &wide, sizeof bits);
+  bits = (bits >> 6) * n + static_cast<std::int64_t>((64 - n) / 64.0 * 1023.0 * 4503599627370496.0);
+  double out;
+  std::memcpy(&out, &bits, sizeof out);
+  return static_cast<Real>(out);
+}
+
+// Added to a square before its root: zero slip then gives zero friction without a branch. Speeds are
+// scaled to about 1, so that it is far below rounding.
+constexpr double kTinySquare = 1e-36;
+
+// 1 / sqrt(n) as exact as the budget asks for.
+[[maybe_unused]] inline Real rsqrt(Real n) { return real(1.0) / sqrt(n); }
+
+// For the control of steps, which needs few digits.
+[[maybe_unused]] inline Real rough_rsqrt(Real n) { return rsqrt_estimate(n); }
+[[maybe_unused]] inline Real rough_inverse(Real x) { return real(1.0) / x; }
+
+// To 1e-7 at least: what Newton's iterations start from, or converge by.
+[[maybe_unused]] inline Real near_inverse(Real x) { return real(1.0) / x; }
+[[maybe_unused]] inline Real near_sqrt(Real n) { return sqrt(n); }
+
+// ---- The exact stepper --------------------------------------------------------------------------
+// Dormand, Prince; Hairer, Norsett, Wanner, Solving ODEs I, DOP853: order 8(5), 12 evaluations a step.
+// The normal impulse q (over M, m/s) is the independent variable. With J the work of table friction
+// along the line of centres, v_n^2 - v_n0^2 - 2 J = 4 * integral of v_n dq: so compression ends at
+// v_n = 0 and restitution at v_n^2 = e_b^2 (v_n0^2 + 2 J_c) + 2 (J - J_c). A step may pass the first and
+// stops at the second, both found on the step's own interpolant: nothing overshoots.
+
+constexpr double kTolerance = 6e-08;  // of a step, relative to |v1 - v2|
+constexpr double kTurn = 3.0;         // scale of steps by the turning of the contact slip
+constexpr double kTable = 4.0;        // scale of steps by the distance of s from zero
+constexpr double kPassage = 0.001;    // error of a passage of s by zero, in tolerances
+constexpr double kDepart = 0.002;     // error of the first step from rest, in tolerances
+constexpr double kTableError = 3.0;   // weight of the errors of table friction
+constexpr double kTail = 500.0;       // weight of the error of the step into sticking
+constexpr double kCounts = 0.0479;    // friction on the table that is of account, in tolerances
+constexpr double kGone = 0.167;       // contact slip that counts as gone, in tolerances
+constexpr double kTailUnseen =
+    6.86;  // of what is left of table friction, that step may miss where s passes zero
+constexpr int kOrder = 8;           // 64 / order, for roots by `power`
+constexpr double kSafe = 0.7;       // errors are aimed at this share of the tolerance
+constexpr double kReach = 0.65;     // share of the way to sticking that a step may take
+constexpr double kRest = 0.0006;    // table slip that counts as zero, in tolerances / friction
+constexpr double kMostGrown = 1.5;  // logarithm of what the table may make of an error
+constexpr int kMostTurns = 8;       // runs, each with what the one before found that errors grow by
+constexpr double kMoreGrown = 1.0;  // by so much more than found
+constexpr int kSquarings = 8;       // of 1 - x/2^n, for exp(-x)
+constexpr double kMostEver = 20.9;  // beyond it tolerances are below rounding
+constexpr double kMostAim = 0.01;   // tolerance over the usual one, at most
+constexpr double kTinySlip = 1e-15;  // table slip with a direction, but of no account
+constexpr double kExtend = 0.0005;  // of a step: how far its interpolant may be used beyond its end
+constexpr double kLittleBounce =
+    0.01;  // e_b below which the work of restitution is no difference of two works
+constexpr int kMostSteps = 4000;  // per collision; about 3 are usual
+constexpr double kHuge = 1e30;
+
+// What a collision starts from. Ball 2 is the pressed one: for a pressed ball 1 the signs of s, c_z,
+// d_z and t are changed on the way in and out, which leaves the equations as they are.
+struct Start {
+  Real v_n;  // approach velocity, < 0
+  Real u_b, u_s, e_b;
+  Real tolerance;  // m/s
+  Real per_u_b;    // 1 / u_b
+};
+
+struct Slips {
+  Real c_x, c_z, s_x, s_y;
+};
+
+// Impulses of friction between the balls (d) and on the table (t), per unit of q or of a step.
+struct Rates {
+  Real d_x, d_z, t_x, t_y;
+};
+
+struct State {
+  Real c_x, c_z, s_x, s_y;  // contact slip, c_z <= 0; table slip of the pressed ball
+  Real gain_d_x, gain_d_z, gain_t_x,
+      gain_t_y;   // impulses so far: a slip may be so large that a sum
+                  // with it would round its change away
+  Real q, v;      // normal impulse so far, approach velocity: negative in compression
+  Real work;      // J: before v_n = 0 that of the whole collision, after it that since then
+  Real target;    // v_n^2 at the end, less 2 J
+  Rates k;        // rates here
+  Real rest;      // normal impulse until the end, if table friction stays as it is
+  Real h_cap;     // no longer step now: by the error of the last one
+  Real tail_cap;  // no step into sticking from a larger contact slip
+  Real driven;    // 1 if the rates are those of zero table slip
+  Real
+      grown;  // logarithm, at most, of what the table has made of an error: it drives s away from zero
+};
+
+// Impulses for `pace` units of q.
+CAROM_INLINE Rates rates_at(const Start& start, const Slips& at, Real pace) {
+  const Real n_c = fma(at.c_x, at.c_x, fma(at.c_z, at.c_z, real(kTinySquare)));
+  const Real n_s = fma(at.s_x, at.s_x, fma(at.s_y, at.s_y, real(kTinySquare)));
+  const Real u_b = start.u_b * pace;
+  const Real i_c = rsqrt(n_c);
+  const Real i_s = rsqrt(n_s);
+  const Real p_x = -at.c_x * u_b;
+  const Real p_z = -at.c_z * u_b;
+  const Real g = -p_z * start.u_s;
+  const Real z_x = at.s_x * g;
+  const Real z_y = at.s_y * g;
+  const Real i_cs = i_c * i_s;
+  const Real r_d_x = i_c * p_x;
+  const Real r_d_z = i_c * p_z;
+  const Real r_t_x = i_cs * z_x;
+  const Real r_t_y = i_cs * z_y;
+
+  return Rates{r_d_x, r_d_z, r_t_x, r_t_y};
+}
+
+// Rates where the table slip is zero or as good as zero: it will point where it is driven to.
+inline Rates rates_at_rest(const Start& start, const State& at) {
+  const Real friction =
+      -start.u_b * rsqrt(fma(at.c_x, at.c_x, fma(at.c_z, at.c_z, real(kTinySquare))));
+  const Real d_x = friction * at.c_x;
+  const Real d_z = friction * at.c_z;
+  return rates_at(start, Slips{at.c_x, at.c_z, -d_x, fma(real(-2.5), d_z, real(1.0))}, real(1.0));
+}
+
+// 1 / P of docs/step-control.md: how near the table slip passes zero on its way from s0 to s1, of lengths l0
+// and l1. 1 where it passes zero itself.
+CAROM_INLINE Real steepness(Real s0_x, Real s0_y, Real l0, Real s1_x, Real s1_y, Real l1) {
+  const Real way = fma(s1_x - s0_x, s1_x - s0_x, (s1_y - s0_y) * (s1_y - s0_y));
+  const Real sum = l0 + l1;
+  return way * rough_inverse(fma(real(4.0) * sum, sum, real(-3.0) * way) + real(kTinySquare));
+}
+
+CAROM_INLINE Rates select_rates(Mask m, const Rates& yes, const Rates& no) {
+  return Rates{select(m, yes.d_x, no.d_x), select(m, yes.d_z, no.d_z), select(m, yes.t_x, no.t_x),
+               select(m, yes.t_y, no.t_y)};
+}
+
+CAROM_INLINE Rates times(const Rates& k, Real factor) {
+  return Rates{k.d_x * factor, k.d_z * factor, k.t_x * factor, k.t_y * factor};
+}
+
+// What q remains until the end of the collision from approach velocity v, if table friction t_y stays.
+CAROM_INLINE Real remaining_impulse(const Start& start, Mask compressing, Real target, Real v,
+                                    Real t_y, Real work) {
+  const Real g = real(2.0) + t_y;
+  const Real share = select(compressing, start.e_b * start.e_b, real(1.0));
+  const Real twice = fma(real(2.0) * share, work, target) * g - t_y * v * v * share;
+  // In full: a difference that decides where the last step ends.
+  return (sqrt(larger(real(0.5) * twice, real(0.0))) - v) * near_inverse(g);
+}
+
+// The state from the slips before.
+CAROM_INLINE State begin(const Start& start, const Slips& slips) {
+  State at{};
+  at.c_x = slips.c_x;
+  at.c_z = slips.c_z;
+  at.s_x = slips.s_x;
+  at.s_y = slips.s_y;
+  at.v = start.v_n;
+  at.target = start.e_b * start.e_b * start.v_n * start.v_n;
+  at.k = rates_at(start, slips, real(1.0));
+  const Mask rests = both(eq(slips.s_x, real(0.0)), eq(slips.s_y, real(0.0)));
+  if (any(rests)) at.k = select_rates(rests, rates_at_rest(start, at), at.k);
+  at.driven = select(rests, real(1.0), real(0.0));
+  at.h_cap = real(kHuge);
+  at.tail_cap = real(kHuge);
+  at.rest = remaining_impulse(start, lt(at.v, real(0.0)), at.target, at.v, at.k.t_y, real(0.0));
+  return at;
+}
+
+// Interpolants on a step: t from 0 to 1, and 0 at its start. From the whole change and the changes per
+// unit of t at both ends; the cubic one is as good as the step itself near the end.
+struct Cubic {
+  Real whole, r3, r4;
+  CAROM_INLINE Real operator()(Real t) const {
+    return t * fma(real(1.0) - t, fma(t, r4, r3), whole);
+  }
+};
+
+CAROM_INLINE Cubic cubic(Real whole, Real first, Real end) {
+  const Real r3 = first - whole;
+  return Cubic{whole, r3, whole - end - r3};
+}
+
+struct Interpolant {
+  Cubic lower;
+  Real r5, r6, r7, r8;
+  CAROM_INLINE Real operator()(Real t) const {
+    const Real u = real(1.0) - t;
+    return t * fma(u, fma(t, fma(u, fma(t, fma(u, fma(t, r8, r7), r6), r5), lower.r4), lower.r3),
+                   lower.whole);
+  }
+};
+
+// Work of table friction from `from` to t, where the approach velocity is v: the integral of v t_y by parts, so that
+// nothing is a small difference of large numbers. Radau's nodes make it exact up to a quartic of impulses.
+template <class Impulse>
+CAROM_INLINE Real work_since(const Impulse& t_y, Real from, Real t, Real v, Real h) {
+  const Real way = t - from;
+  const Real before = t_y(from);
+  const Real moved = t_y(t) - before;
+  const Real first = t_y(fma(real(0.35505102572168222), way, from)) - before;
+  const Real second = t_y(fma(real(0.84494897427831778), way, from)) - before;
+  const Real mean = fma(real(0.51248582618842160), first, real(0.37640306270046728) * second);
+  return fma(moved, fma(real(-0.5), moved, v), real(-2.0) * h * way * mean);
+}
+
+// v^2 at the end where it was zero within the step: of `moved`, the change of v^2 since then, table friction did 2 `since`.
+// That share hardly changes, and so holds where both are rounding.
+CAROM_INLINE Real bounce_square(Real target, Real since, Real moved) {
+  const Real share = real(2.0) * since / (moved + real(kTinySquare));
+  return target / (real(1.0) - smaller(larger(share, real(-0.9)), real(0.6)));
+}
+
+// Errors against two embedded methods as one: the coarser one keeps chance zeros of the finer from view.
+inline Real joint_error(Real fine, Real coarse) {
+  const Real square = fine * fine;
+  return square / sqrt(fma(real(0.01) * coarse, coarse, square) + real(1e-72));
+}
+
+// ---- The step into sticking ----------------------------------------------------------------------
+// From here to c = 0 with c_z = left^2 times what it is, left = 1 - t. Table impulses, the normal impulse
+// and r = c_x / c_z over bent = left^a are stepped, where a is such that r is constant without table
+// friction; contact impulses follow from the linear relations.
+struct Tail {
+  Real x, y, q, r;
+};
+
+struct TailRates {
+  Tail k;
+  Real v;  // approach velocity
+};
+
+// What the next iteration does.
+struct Plan {
+  Real h;           // length of the step
+  Real step_c;      // length of a step by the contact slip alone
+  Real l_c;         // contact slip
+  Real rest_error;  // of a step into sticking: by the distance of s from zero
+  Mask at_rest;     // is table slip as good as zero?
+  Real l_s, phi;    // table slip; table friction per unit of q
+  Mask counts;      // does it matter to the step which way that points?
+  Mask runs;        // does the table drive the slip away from zero, whichever way it points?
+  Mask sticks;      // is it the step into sticking?
+  Mask goes_on;     // or is the collision over?
+};
+
+CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
+                                  const Tail& so_far, double left, double bent) {
+  const Real c_z = at.c_z * real(left * left);
+  const Real t_tail_x = so_far.x, t_tail_y = so_far.y, dq = so_far.q;
+  const Real r = so_far.r * real(bent);
+  const Real d_tail_x = (fma(r, c_z, t_tail_x) - at.c_x) * real(0.14285714285714285);
+  const Real d_tail_z = (c_z - at.c_z - real(2.5) * t_tail_y) * real(0.2);
+  const Real s_x = s_x0 + fma(real(-1.5), t_tail_x, -d_tail_x);
+  const Real s_y = s_y0 + fma(real(-1.5), t_tail_y, fma(real(-2.5), d_tail_z, dq));
+  const Real i_s = rsqrt(fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare))));
+  const Real u_x = s_x * i_s;
+  const Real u_y = s_y * i_s;
+  const Real k_z = real(5.0) - real(2.5) * start.u_s * u_y;
+  const Real scale = real(2.0 / left) / k_z;
+  const Real pull = start.u_s * c_z * scale;  // negative
+  const Real n_r = fma(r, r, real(1.0));
+  TailRates out;
+  out.k.x = pull * u_x;
+  out.k.y = pull * u_y;
+  out.k.q = -(sqrt(n_r))*c_z * scale * start.per_u_b;
+  out.k.r = -scale * start.u_s * fma(real(3.5) * u_y, so_far.r, real(1.0 / bent) * u_x);
+  out.v = at.v + real(2.0) * dq + t_tail_y;
+  return out;
+}
+
+// Makes that step for the lanes `tries` where its error is small enough and the contact does stick in
+// this phase; else caps the contact slip from which it is tried. The lanes that stuck: they are done.
+CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& plan, Mask tries) {
+  const Real b_x = fma(real(-1.5), at.k.t_x, -at.k.d_x);
+  const Real b_y = fma(real(-1.5), at.k.t_y, fma(real(-2.5), at.k.d_z, real(1.0)));
+
+  const Real s_x0 = select(plan.at_rest, b_x * real(kTinySlip), at.s_x);
+  const Real s_y0 = select(plan.at_rest, b_y * real(kTinySlip), at.s_y);
+  const Mask compressing = lt(at.v, real(0.0));
+  const Real r_0 = at.c_x / at.c_z;
+  const TailRates w0 =
+      tail_rates(start, at, s_x0, s_y0, Tail{real(0.0), real(0.0), real(0.0), r_0}, 1.0, 1.0);
+  const Real z1_x = real(0.05260015195876773) * w0.k.x;
+  const Real z1_y = real(0.05260015195876773) * w0.k.y;
+  const Real z1_q = real(0.05260015195876773) * w0.k.q;
+  const Real z1_r = r_0 + real(0.05260015195876773) * w0.k.r;
+  const Tail z1 = {z1_x, z1_y, z1_q, z1_r};
+  const TailRates w1 =
+      tail_rates(start, at, s_x0, s_y0, z1, 0.9473998480412322, 0.9576937398651092);
+  const Real z2_x = fma(real(0.0591751709536137), w1.k.x, real(0.0197250569845379) * w0.k.x);
+  const Real z2_y = fma(real(0.0591751709536137), w1.k.y, real(0.0197250569845379) * w0.k.y);
+  const Real z2_q = fma(real(0.0591751709536137), w1.k.q, real(0.0197250569845379) * w0.k.q);
+  const Real z2_r = r_0 + fma(real(0.0591751709536137), w1.k.r, real(0.0197250569845379) * w0.k.r);
+  const Tail z2 = {z2_x, z2_y, z2_q, z2_r};
+  const TailRates w2 =
+      tail_rates(start, at, s_x0, s_y0, z2, 0.9210997720618485, 0.9363653618980209);
+  const Real z3_x = fma(real(0.08876275643042054), w2.k.x, real(0.02958758547680685) * w0.k.x);
+  const Real z3_y = fma(real(0.08876275643042054), w2.k.y, real(0.02958758547680685) * w0.k.y);
+  const Real z3_q = fma(real(0.08876275643042054), w2.k.q, real(0.02958758547680685) * w0.k.q);
+  const Real z3_r =
+      r_0 + fma(real(0.08876275643042054), w2.k.r, real(0.02958758547680685) * w0.k.r);
+  const Tail z3 = {z3_x, z3_y, z3_q, z3_r};
+  const TailRates w3 =
+      tail_rates(start, at, s_x0, s_y0, z3, 0.8816496580927726, 0.9041423972203982);
+  const Real z4_x = fma(real(0.924834003261792), w3.k.x,
+                        fma(real(-0.8845494793282861), w2.k.x, real(0.2413651341592667) * w0.k.x));
+  const Real z4_y = fma(real(0.924834003261792), w3.k.y,
+                        fma(real(-0.8845494793282861), w2.k.y, real(0.2413651341592667) * w0.k.y));
+  const Real z4_q = fma(real(0.924834003261792), w3.k.q,
+                        fma(real(-0.8845494793282861), w2.k.q, real(0.2413651341592667) * w0.k.q));
+  const Real z4_r =
+      r_0 + fma(real(0.924834003261792), w3.k.r,
+                fma(real(-0.8845494793282861), w2.k.r, real(0.2413651341592667) * w0.k.r));
+  const Tail z4 = {z4_x, z4_y, z4_q, z4_r};
+  const TailRates w4 =
+      tail_rates(start, at, s_x0, s_y0, z4, 0.7183503419072274, 0.7674834908456962);
+  const Real z5_x =
+      fma(real(0.12546768756682242), w4.k.x,
+          fma(real(0.17082860872947386), w3.k.x, real(0.037037037037037035) * w0.k.x));
+  const Real z5_y =
+      fma(real(0.12546768756682242), w4.k.y,
+          fma(real(0.17082860872947386), w3.k.y, real(0.037037037037037035) * w0.k.y));
+  const Real z5_q =
+      fma(real(0.12546768756682242), w4.k.q,
+          fma(real(0.17082860872947386), w3.k.q, real(0.037037037037037035) * w0.k.q));
+  const Real z5_r =
+      r_0 + fma(real(0.12546768756682242), w4.k.r,
+                fma(real(0.17082860872947386), w3.k.r, real(0.037037037037037035) * w0.k.r));
+  const Tail z5 = {z5_x, z5_y, z5_q, z5_r};
+  const TailRates w5 =
+      tail_rates(start, at, s_x0, s_y0, z5, 0.6666666666666666, 0.7229811807984657);
+  const Real z6_x = fma(real(-0.017578125), w5.k.x,
+                        fma(real(0.06021653898045596), w4.k.x,
+                            fma(real(0.17025221101954405), w3.k.x, real(0.037109375) * w0.k.x)));
+  const Real z6_y = fma(real(-0.017578125), w5.k.y,
+                        fma(real(0.06021653898045596), w4.k.y,
+                            fma(real(0.17025221101954405), w3.k.y, real(0.037109375) * w0.k.y)));
+  const Real z6_q = fma(real(-0.017578125), w5.k.q,
+                        fma(real(0.06021653898045596), w4.k.q,
+                            fma(real(0.17025221101954405), w3.k.q, real(0.037109375) * w0.k.q)));
+  const Real z6_r =
+      r_0 + fma(real(-0.017578125), w5.k.r,
+                fma(real(0.06021653898045596), w4.k.r,
+                    fma(real(0.17025221101954405), w3.k.r, real(0.037109375) * w0.k.r)));
+  const Tail z6 = {z6_x, z6_y, z6_q, z6_r};
+  const TailRates w6 = tail_rates(start, at, s_x0, s_y0, z6, 0.75, 0.7944178807866091);
+  Real z7_x = real(0.03709200011850479) * w0.k.x;
+  z7_x = fma(real(0.17038392571223998), w3.k.x, z7_x);
+  z7_x = fma(real(0.10726203044637328), w4.k.x, z7_x);
+  z7_x = fma(real(-0.015319437748624402), w5.k.x, z7_x);
+  z7_x = fma(real(0.008273789163814023), w6.k.x, z7_x);
+  Real z7_y = real(0.03709200011850479) * w0.k.y;
+  z7_y = fma(real(0.17038392571223998), w3.k.y, z7_y);
+  z7_y = fma(real(0.10726203044637328), w4.k.y, z7_y);
+  z7_y = fma(real(-0.015319437748624402), w5.k.y, z7_y);
+  z7_y = fma(real(0.008273789163814023), w6.k.y, z7_y);
+  Real z7_q = real(0.03709200011850479) * w0.k.q;
+  z7_q = fma(real(0.17038392571223998), w3.k.q, z7_q);
+  z7_q = fma(real(0.10726203044637328), w4.k.q, z7_q);
+  z7_q = fma(real(-0.015319437748624402), w5.k.q, z7_q);
+  z7_q = fma(real(0.008273789163814023), w6.k.q, z7_q);
+  Real z7_r_sum = real(0.03709200011850479) * w0.k.r;
+  z7_r_sum = fma(real(0.17038392571223998), w3.k.r, z7_r_sum);
+  z7_r_sum = fma(real(0.10726203044637328), w4.k.r, z7_r_sum);
+  z7_r_sum = fma(real(-0.015319437748624402), w5.k.r, z7_r_sum);
+  z7_r_sum = fma(real(0.008273789163814023), w6.k.r, z7_r_sum);
+  const Real z7_r = r_0 + z7_r_sum;
+  const Tail z7 = {z7_x, z7_y, z7_q, z7_r};
+  const TailRates w7 = tail_rates(start, at, s_x0, s_y0, z7, 0.6923076923076923, 0.745142484817946);
+  Real z8_x = real(0.6241109587160757) * w0.k.x;
+  z8_x = fma(real(-3.3608926294469414), w3.k.x, z8_x);
+  z8_x = fma(real(-0.868219346841726), w4.k.x, z8_x);
+  z8_x = fma(real(27.59209969944671), w5.k.x, z8_x);
+  z8_x = fma(real(20.154067550477894), w6.k.x, z8_x);
+  z8_x = fma(real(-43.48988418106996), w7.k.x, z8_x);
+  Real z8_y = real(0.6241109587160757) * w0.k.y;
+  z8_y = fma(real(-3.3608926294469414), w3.k.y, z8_y);
+  z8_y = fma(real(-0.868219346841726), w4.k.y, z8_y);
+  z8_y = fma(real(27.59209969944671), w5.k.y, z8_y);
+  z8_y = fma(real(20.154067550477894), w6.k.y, z8_y);
+  z8_y = fma(real(-43.48988418106996), w7.k.y, z8_y);
+  Real z8_q = real(0.6241109587160757) * w0.k.q;
+  z8_q = fma(real(-3.3608926294469414), w3.k.q, z8_q);
+  z8_q = fma(real(-0.868219346841726), w4.k.q, z8_q);
+  z8_q = fma(real(27.59209969944671), w5.k.q, z8_q);
+  z8_q = fma(real(20.154067550477894), w6.k.q, z8_q);
+  z8_q = fma(real(-43.48988418106996), w7.k.q, z8_q);
+  Real z8_r_sum = real(0.6241109587160757) * w0.k.r;
+  z8_r_sum = fma(real(-3.3608926294469414), w3.k.r, z8_r_sum);
+  z8_r_sum = fma(real(-0.868219346841726), w4.k.r, z8_r_sum);
+  z8_r_sum = fma(real(27.59209969944671), w5.k.r, z8_r_sum);
+  z8_r_sum = fma(real(20.154067550477894), w6.k.r, z8_r_sum);
+  z8_r_sum = fma(real(-43.48988418106996), w7.k.r, z8_r_sum);
+  const Real z8_r = r_0 + z8_r_sum;
+  const Tail z8 = {z8_x, z8_y, z8_q, z8_r};
+  const TailRates w8 =
+      tail_rates(start, at, s_x0, s_y0, z8, 0.3487179487179487, 0.4305062304151095);
+  Real z9_x = real(0.47766253643826434) * w0.k.x;
+  z9_x = fma(real(-2.4881146199716677), w3.k.x, z9_x);
+  z9_x = fma(real(-0.590290826836843), w4.k.x, z9_x);
+  z9_x = fma(real(21.230051448181193), w5.k.x, z9_x);
+  z9_x = fma(real(15.279233632882423), w6.k.x, z9_x);
+  z9_x = fma(real(-33.28821096898486), w7.k.x, z9_x);
+  z9_x = fma(real(-0.020331201708508627), w8.k.x, z9_x);
+  Real z9_y = real(0.47766253643826434) * w0.k.y;
+  z9_y = fma(real(-2.4881146199716677), w3.k.y, z9_y);
+  z9_y = fma(real(-0.590290826836843), w4.k.y, z9_y);
+  z9_y = fma(real(21.230051448181193), w5.k.y, z9_y);
+  z9_y = fma(real(15.279233632882423), w6.k.y, z9_y);
+  z9_y = fma(real(-33.28821096898486), w7.k.y, z9_y);
+  z9_y = fma(real(-0.020331201708508627), w8.k.y, z9_y);
+  Real z9_q = real(0.47766253643826434) * w0.k.q;
+  z9_q = fma(real(-2.4881146199716677), w3.k.q, z9_q);
+  z9_q = fma(real(-0.590290826836843), w4.k.q, z9_q);
+  z9_q = fma(real(21.230051448181193), w5.k.q, z9_q);
+  z9_q = fma(real(15.279233632882423), w6.k.q, z9_q);
+  z9_q = fma(real(-33.28821096898486), w7.k.q, z9_q);
+  z9_q = fma(real(-0.020331201708508627), w8.k.q, z9_q);
+  Real z9_r_sum = real(0.47766253643826434) * w0.k.r;
+  z9_r_sum = fma(real(-2.4881146199716677), w3.k.r, z9_r_sum);
+  z9_r_sum = fma(real(-0.590290826836843), w4.k.r, z9_r_sum);
+  z9_r_sum = fma(real(21.230051448181193), w5.k.r, z9_r_sum);
+  z9_r_sum = fma(real(15.279233632882423), w6.k.r, z9_r_sum);
+  z9_r_sum = fma(real(-33.28821096898486), w7.k.r, z9_r_sum);
+  z9_r_sum = fma(real(-0.020331201708508627), w8.k.r, z9_r_sum);
+  const Real z9_r = r_0 + z9_r_sum;
+  const Tail z9 = {z9_x, z9_y, z9_q, z9_r};
+  const TailRates w9 = tail_rates(start, at, s_x0, s_y0, z9, 0.4, 0.4804497735925725);
+  Real z10_x = -real(0.9371424300859873) * w0.k.x;
+  z10_x = fma(real(5.186372428844064), w3.k.x, z10_x);
+  z10_x = fma(real(1.0914373489967295), w4.k.x, z10_x);
+  z10_x = fma(real(-8.149787010746927), w5.k.x, z10_x);
+  z10_x = fma(real(-18.52006565999696), w6.k.x, z10_x);
+  z10_x = fma(real(22.739487099350505), w7.k.x, z10_x);
+  z10_x = fma(real(2.4936055526796523), w8.k.x, z10_x);
+  z10_x = fma(real(-3.0467644718982196), w9.k.x, z10_x);
+  Real z10_y = -real(0.9371424300859873) * w0.k.y;
+  z10_y = fma(real(5.186372428844064), w3.k.y, z10_y);
+  z10_y = fma(real(1.0914373489967295), w4.k.y, z10_y);
+  z10_y = fma(real(-8.149787010746927), w5.k.y, z10_y);
+  z10_y = fma(real(-18.52006565999696), w6.k.y, z10_y);
+  z10_y = fma(real(22.739487099350505), w7.k.y, z10_y);
+  z10_y = fma(real(2.4936055526796523), w8.k.y, z10_y);
+  z10_y = fma(real(-3.0467644718982196), w9.k.y, z10_y);
+  Real z10_q = -real(0.9371424300859873) * w0.k.q;
+  z10_q = fma(real(5.186372428844064), w3.k.q, z10_q);
+  z10_q = fma(real(1.0914373489967295), w4.k.q, z10_q);
+  z10_q = fma(real(-8.149787010746927), w5.k.q, z10_q);
+  z10_q = fma(real(-18.52006565999696), w6.k.q, z10_q);
+  z10_q = fma(real(22.739487099350505), w7.k.q, z10_q);
+  z10_q = fma(real(2.4936055526796523), w8.k.q, z10_q);
+  z10_q = fma(real(-3.0467644718982196), w9.k.q, z10_q);
+  Real z10_r_sum = -real(0.9371424300859873) * w0.k.r;
+  z10_r_sum = fma(real(5.186372428844064), w3.k.r, z10_r_sum);
+  z10_r_sum = fma(real(1.0914373489967295), w4.k.r, z10_r_sum);
+  z10_r_sum = fma(real(-8.149787010746927), w5.k.r, z10_r_sum);
+  z10_r_sum = fma(real(-18.52006565999696), w6.k.r, z10_r_sum);
+  z10_r_sum = fma(real(22.739487099350505), w7.k.r, z10_r_sum);
+  z10_r_sum = fma(real(2.4936055526796523), w8.k.r, z10_r_sum);
+  z10_r_sum = fma(real(-3.0467644718982196), w9.k.r, z10_r_sum);
+  const Real z10_r = r_0 + z10_r_sum;
+  const Tail z10 = {z10_x, z10_y, z10_q, z10_r};
+  const TailRates w10 =
+      tail_rates(start, at, s_x0, s_y0, z10, 0.14285714285714285, 0.21082473737065027);
+  Real z12_x = real(0.054293734116568765) * w0.k.x;
+  z12_x = fma(real(4.450312892752409), w5.k.x, z12_x);
+  z12_x = fma(real(1.8915178993145003), w6.k.x, z12_x);
+  z12_x = fma(real(-5.801203960010585), w7.k.x, z12_x);
+  z12_x = fma(real(0.3111643669578199), w8.k.x, z12_x);
+  z12_x = fma(real(-0.1521609496625161), w9.k.x, z12_x);
+  z12_x = fma(real(0.20136540080403034), w10.k.x, z12_x);
+  Real z12_y = real(0.054293734116568765) * w0.k.y;
+  z12_y = fma(real(4.450312892752409), w5.k.y, z12_y);
+  z12_y = fma(real(1.8915178993145003), w6.k.y, z12_y);
+  z12_y = fma(real(-5.801203960010585), w7.k.y, z12_y);
+  z12_y = fma(real(0.3111643669578199), w8.k.y, z12_y);
+  z12_y = fma(real(-0.1521609496625161), w9.k.y, z12_y);
+  z12_y = fma(real(0.20136540080403034), w10.k.y, z12_y);
+  Real z12_q = real(0.054293734116568765) * w0.k.q;
+  z12_q = fma(real(4.450312892752409), w5.k.q, z12_q);
+  z12_q = fma(real(1.8915178993145003), w6.k.q, z12_q);
+  z12_q = fma(real(-5.801203960010585), w7.k.q, z12_q);
+  z12_q = fma(real(0.3111643669578199), w8.k.q, z12_q);
+  z12_q = fma(real(-0.1521609496625161), w9.k.q, z12_q);
+  z12_q = fma(real(0.20136540080403034), w10.k.q, z12_q);
+  Real z12_r_sum = real(0.054293734116568765) * w0.k.r;
+  z12_r_sum = fma(real(4.450312892752409), w5.k.r, z12_r_sum);
+  z12_r_sum = fma(real(1.8915178993145003), w6.k.r, z12_r_sum);
+  z12_r_sum = fma(real(-5.801203960010585), w7.k.r, z12_r_sum);
+  z12_r_sum = fma(real(0.3111643669578199), w8.k.r, z12_r_sum);
+  z12_r_sum = fma(real(-0.1521609496625161), w9.k.r, z12_r_sum);
+  z12_r_sum = fma(real(0.20136540080403034), w10.k.r, z12_r_sum);
+  const Real z12_r = r_0 + z12_r_sum;
+  const Tail z12 = {z12_x, z12_y, z12_q, z12_r};
+  Real e5_x = real(0.01312004499419488) * w0.k.x;
+  e5_x = fma(real(-1.2251564463762044), w5.k.x, e5_x);
+  e5_x = fma(real(-0.4957589496572502), w6.k.x, e5_x);
+  e5_x = fma(real(1.6643771824549864), w7.k.x, e5_x);
+  e5_x = fma(real(-0.35032884874997366), w8.k.x, e5_x);
+  e5_x = fma(real(0.3341791187130175), w9.k.x, e5_x);
+  e5_x = fma(real(0.08192320648511571), w10.k.x, e5_x);
+  Real e5_y = real(0.01312004499419488) * w0.k.y;
+  e5_y = fma(real(-1.2251564463762044), w5.k.y, e5_y);
+  e5_y = fma(real(-0.4957589496572502), w6.k.y, e5_y);
+  e5_y = fma(real(1.6643771824549864), w7.k.y, e5_y);
+  e5_y = fma(real(-0.35032884874997366), w8.k.y, e5_y);
+  e5_y = fma(real(0.3341791187130175), w9.k.y, e5_y);
+  e5_y = fma(real(0.08192320648511571), w10.k.y, e5_y);
+  Real e_q = real(0.01312004499419488) * w0.k.q;
+  e_q = fma(real(-1.2251564463762044), w5.k.q, e_q);
+  e_q = fma(real(-0.4957589496572502), w6.k.q, e_q);
+  e_q = fma(real(1.6643771824549864), w7.k.q, e_q);
+  e_q = fma(real(-0.35032884874997366), w8.k.q, e_q);
+  e_q = fma(real(0.3341791187130175), w9.k.q, e_q);
+  e_q = fma(real(0.08192320648511571), w10.k.q, e_q);
+  Real e3_x = -real(0.18980075407240762) * w0.k.x;
+  e3_x = fma(real(4.450312892752409), w5.k.x, e3_x);
+  e3_x = fma(real(1.8915178993145003), w6.k.x, e3_x);
+  e3_x = fma(real(-5.801203960010585), w7.k.x, e3_x);
+  e3_x = fma(real(-0.42268232132379197), w8.k.x, e3_x);
+  e3_x = fma(real(-0.1521609496625161), w9.k.x, e3_x);
+  e3_x = fma(real(0.20136540080403034), w10.k.x, e3_x);
+  Real e3_y = -real(0.18980075407240762) * w0.k.y;
+  e3_y = fma(real(4.450312892752409), w5.k.y, e3_y);
+  e3_y = fma(real(1.8915178993145003), w6.k.y, e3_y);
+  e3_y = fma(real(-5.801203960010585), w7.k.y, e3_y);
+  e3_y = fma(real(-0.42268232132379197), w8.k.y, e3_y);
+  e3_y = fma(real(-0.1521609496625161), w9.k.y, e3_y);
+  e3_y = fma(real(0.20136540080403034), w10.k.y, e3_y);
+  const Real p0 = w0.k.y * w0.v;
+  const Real p5 = w5.k.y * w5.v;
+  const Real p6 = w6.k.y * w6.v;
+  const Real p7 = w7.k.y * w7.v;
+  const Real p8 = w8.k.y * w8.v;
+  const Real p9 = w9.k.y * w9.v;
+  const Real p10 = w10.k.y * w10.v;
+  Real dj = real(0.054293734116568765) * p0;
+  dj = fma(real(4.450312892752409), p5, dj);
+  dj = fma(real(1.8915178993145003), p6, dj);
+  dj = fma(real(-5.801203960010585), p7, dj);
+  dj = fma(real(0.3111643669578199), p8, dj);
+  dj = fma(real(-0.1521609496625161), p9, dj);
+  dj = fma(real(0.20136540080403034), p10, dj);
+  const Real e_x = joint_error(e5_x, e3_x);
+  const Real e_y = joint_error(e5_y, e3_y);
+
+  const Tail& end = z12;
+
+  const Real t_tail_x = end.x, t_tail_y = end.y;
+  const Real d_tail_x = (t_tail_x - at.c_x) * real(0.14285714285714285);
+  const Real d_tail_z = (-at.c_z - real(2.5) * t_tail_y) * real(0.2);
+  Real s_x, s_y;  // where it sticks
+  {
+    const Real dq = end.q;
+    s_x = s_x0 + fma(real(-1.5), t_tail_x, -d_tail_x);
+    s_y = s_y0 + fma(real(-1.5), t_tail_y, fma(real(-2.5), d_tail_z, dq));
+  }
+
+  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
+                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
+                                       work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen =
+      select(plan.at_rest, real(0.0),
+             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep * steep));
+  const Real error = larger(estimate, unseen);
+  const Real work = at.work + dj;
+  const Real square =
+      select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
+             fma(real(2.0), work, at.target));
+  const Real v_last = sqrt(larger(square, real(0.0)));
+  const Real limit = select(compressing, real(0.0), v_last);
+
+  // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
+  // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
+  // / u_b, within 2 % (Schwarz, with the weight exp(-m w)), and table friction makes at most `left` on the way.
+  const Real slowest = larger(real(5.0) - real(2.5) * start.u_s, real(0.005));
+  const Real left = start.u_s * absolute(at.c_z) * rough_inverse(slowest);
+  const Real m = real(14.0) * slowest * rough_inverse(real(7.0) + slowest);
+  const Real falls_x = at.c_x * at.c_x * rough_inverse(real(14.0) - m);
+  const Real falls_z = at.c_z * at.c_z * rough_inverse(fma(real(2.0), slowest, -m));
+  const Real falls = near_sqrt((falls_x + falls_z) * rough_inverse(m));
+  const Real latest = fma(real(0.14285714285714285), left, real(1.01) * falls) * start.per_u_b;
+  const Real v_stuck = at.v + real(2.0) * latest + absolute(left);
+  const Mask late = both(gt(plan.l_c, real(kGone) * start.tolerance), gt(v_stuck, limit));
+  const Mask sticks = but_not(both(tries, le(error, real(kSafe) * start.tolerance)), late);
+  if (!all(sticks)) {
+    __asm__ volatile("");
+    const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
+    const Real cap = plan.l_c * larger(real(0.1), smaller(real(0.5), power(ratio, kOrder)));
+    at.tail_cap = select(tries, cap, at.tail_cap);
+  }
+  const Real dq = real(0.5) * (v_last - at.v - t_tail_y);
+  const Real move_s_x = fma(real(-1.5), t_tail_x, -d_tail_x);
+  const Real move_s_y = fma(real(-1.5), t_tail_y, fma(real(-2.5), d_tail_z, dq));
+  {
+    const Real l_1 = n_1 * per_1;
+    const Real on_way = real(1.5) * left;
+    const Real d_x = s_x - s_x0;
+    const Real d_y = s_y - s_y0;
+    const Real both_ends = n_0 * per_0 + l_1;
+    const Real n_d = fma(d_x, d_x, fma(d_y, d_y, real(kTinySquare)));
+    const Real per_d = rough_rsqrt(n_d);
+    const Real beyond = both_ends + n_d * per_d;
+    // l^2 - d^2 = 2 (|s_0| |s_1| + s_0 s_1); slip that counts as none is not passed.
+    const Real apart =
+        larger(real(2.0) * fma(real(0.99) * (n_0 * per_0), l_1,
+                               select(plan.at_rest, real(0.0), fma(s_x0, s_x, s_y0 * s_y))),
+               real(1e-12) * beyond * beyond);
+    const Real per_apart = rough_inverse(apart);
+    const Real grows =
+        on_way * smaller(real(2.0) * both_ends * per_apart,
+                         per_d * fma(real(44.3614195558365), power(beyond * beyond * per_apart, 1),
+                                     real(-44.3)));
+    // Slip that counted as none is an error of its own size, not of a tolerance.
+    const Real more = select(
+        plan.at_rest,
+        larger(grows -
+                   fma(real(44.3614195558365),
+                       power(start.tolerance * rough_inverse(fma(smaller(grows, real(1.0)),
+                                                                 real(2.5) * (absolute(at.s_x) +
+                                                                              absolute(at.s_y)),
+                                                                 real(kTinySquare))),
+                             1),
+                       real(-44.3614195558365)) +
+                   real(kMostGrown),
+               real(0.0)),
+        grows);
+    at.grown = select(sticks, at.grown + more, at.grown);
+  }
+  at.q = select(sticks, at.q + dq, at.q);
+  at.gain_d_x = select(sticks, at.gain_d_x + d_tail_x, at.gain_d_x);
+  at.gain_d_z = select(sticks, at.gain_d_z + d_tail_z, at.gain_d_z);
+  at.gain_t_x = select(sticks, at.gain_t_x + t_tail_x, at.gain_t_x);
+  at.gain_t_y = select(sticks, at.gain_t_y + t_tail_y, at.gain_t_y);
+  at.c_x = select(sticks, real(0.0), at.c_x);
+  at.c_z = select(sticks, real(0.0), at.c_z);
+  at.s_x = select(sticks, at.s_x + move_s_x, at.s_x);
+  at.s_y = select(sticks, at.s_y + move_s_y, at.s_y);
+  return sticks;
+}
+
+// ---- The plan of a step --------------------------------------------------------------------------
+
+// `bound` where it is shorter than `h`: what rarely happens is guessed in one lane, not waited for.
+CAROM_INLINE Real shorter(Real h, Real bound) {
+  if (bound < h) {
+    __asm__ volatile("");
+    return bound;
+  }
+  return h;
+}
+
+// What one lane leaves out where it need not be done; several always do it, since a branch that is
+// guessed wrongly costs them more.
+CAROM_INLINE bool wanted(Mask m) {
+  if (m) __asm__ volatile("");
+  return m;
+}
+
+// Lengths by the passage of the table slip s by zero, with the rates b = s' at distance l_s.
+CAROM_INLINE void pass_zero(const Start& start, Real turn, Real per_c, Real phi, Real l_s, Real l_b,
+                            Real per_b, Real along, Real miss, Real reach, Mask counts,
+                            Plan& plan) {
+  const Real omega = real(21.0) * start.u_b * start.u_b * turn * per_c;
+  const Mask departs = but_not(both(counts, either(plan.at_rest, ge(along, real(0.0)))), plan.runs);
+  if (wanted(departs)) {
+    const Real leaving = larger(real(0.01) * phi, fma(real(-1.5), phi, l_b));
+    const Real drift = select(plan.at_rest, l_b, leaving);
+    const Real spin = (phi + real(kTinySquare)) * omega;
+    const Real first = real(kDepart) * start.tolerance * (drift + phi) * drift * drift;
+    const Real least =
+        larger(reach, power(first * rough_inverse(fma(spin, spin, real(kTinySquare))), 21));
+    plan.h = shorter(plan.h, select(departs, least, plan.h));
+  }
+  const Mask moves = but_not(counts, plan.at_rest);
+  if (wanted(moves)) {
+    const Real closest = -along * per_b * per_b;
+    const Mask approaches = gt(closest, real(0.7) * reach);
+    const Mask within = but_not(lt(along, real(0.0)), approaches);
+    const Real way = select(approaches, closest, reach);
+    const Real curved = larger(miss, real(0.05) * omega * per_b * closest * closest);
+    // Its direction decides, and turns until the slip has grown: met by its length.
+    const Real size = select(either(within, plan.runs), reach, select(approaches, curved, miss));
+    const Real room =
+        real(kPassage) * start.tolerance * rough_inverse(fma(phi, size, real(kTinySquare)));
+    const Real most = select(plan.runs, real(0.5), real(20.0));
+    const Real table = real(kTable);
+    const Real share = smaller(table * power(room, kOrder), select(within, real(1.0), most));
+    Real length = way * share;
+    length = select(approaches, length * rough_inverse(real(1.0) + share), length);
+    length =
+        smaller(length, real(0.5) * l_s * rough_inverse(fma(real(1.5), phi, real(kTinySquare))));
+    plan.h = shorter(plan.h, select(moves, length, plan.h));
+  }
+}
+
+// What the next iteration does, and the rates of zero table slip where it is as good as zero.
+CAROM_INLINE Plan plan_step(const Start& start, State& at) {
+  Plan plan;
+  const Real n_c = fma(at.c_x, at.c_x, fma(at.c_z, at.c_z, real(kTinySquare)));
+  const Real n_s = fma(at.s_x, at.s_x, fma(at.s_y, at.s_y, real(kTinySquare)));
+  const Real per_c = rough_rsqrt(n_c);
+  const Real l_c = n_c * per_c;
+  const Real per_s = rough_rsqrt(n_s);
+  const Real l_s = n_s * per_s;
+  const Real phi = -start.u_s * start.u_b * per_c * at.c_z;
+  plan.l_c = l_c;
+  plan.l_s = l_s;
+  plan.phi = phi;
+
+  // Where the table slip goes: b is its rate of change.
+  plan.at_rest = le(phi * l_s, real(kRest) * start.tolerance);
+  // The table drives this slip away from zero. Where it does so harder than the slip is driven otherwise, it
+  // matters which way the slip points, however short it is.
+  const Real rubbed = -start.u_b * per_c;
+  const Real d_x = rubbed * at.c_x;
+  const Real d_z = rubbed * at.c_z;
+  const Real drive_x = -d_x;
+  const Real drive_y = fma(real(-2.5), d_z, real(1.0));
+  const Real push = real(1.65) * phi;
+  const Mask beats = gt(push * push, fma(drive_x, drive_x, drive_y * drive_y));
+  plan.runs = both(beats, gt(n_s, real(2.0 * kTinySquare)));
+  plan.at_rest = but_not(plan.at_rest, plan.runs);
+  const Mask stops = both(plan.at_rest, eq(at.driven, real(0.0)));
+  if (any(stops)) {
+    __asm__ volatile("");
+    at.k = select_rates(stops, rates_at_rest(start, at), at.k);
+  }
+  at.driven = select(plan.at_rest, real(1.0), real(0.0));
+  const Real b_x = fma(real(-1.5), at.k.t_x, -at.k.d_x);
+  const Real b_y = fma(real(-1.5), at.k.t_y, fma(real(-2.5), at.k.d_z, real(1.0)));
+
+  const Real n_b = fma(b_x, b_x, fma(b_y, b_y, real(kTinySquare)));
+  const Real per_b = rough_rsqrt(n_b);
+  const Real l_b = n_b * per_b;
+  const Real along = fma(at.s_x, b_x, at.s_y * b_y);
+  const Real miss = absolute(fma(at.s_x, b_y, -at.s_y * b_x)) * per_b *
+                    per_b;         // q: closest approach of s to zero
+  const Real reach = l_s * per_b;  // q: |s| / |b|
+  const Real bend = smaller(real(1.0), miss * l_b * per_s);
+
+  // What remains: of the collision, of the phase, and until the contact sticks.
+  plan.goes_on = gt(at.rest, real(0.0));
+  const Real phase = select(lt(at.v, real(0.0)), -at.v, at.rest * (real(2.0) + at.k.t_y));
+  const Real k_z = real(5.0) - real(2.5) * start.u_s * at.s_y * per_s;
+  const Real l_stick =
+      n_c * l_c * start.per_u_b *
+      rough_inverse(fma(real(7.0) * at.c_x, at.c_x, fma(k_z * at.c_z, at.c_z, real(kTinySquare))));
+  const Real left = real(0.5) * start.u_s * absolute(at.c_z);  // what table friction can still do
+  plan.sticks =
+      both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
+  plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
+  const Mask matters = both(plan.sticks, gt(left, real(kCounts) * start.tolerance));
+  if (wanted(matters)) {
+    const Real room = power(start.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
+    const Mask away = le(l_stick, real(0.6) * reach * room);
+    const Mask towards = ge(-along, real(1.5) * l_stick * n_b);
+    const Mask settled =
+        either(both(lt(along, real(0.0)), towards), both(ge(along, real(0.0)), away));
+    plan.sticks = but_not(plan.sticks, but_not(matters, settled));
+  }
+
+  // Length of the step: by the turning of the contact slip, and by the passage of s by zero.
+  const Real turn =
+      fma(real(0.2857142857142857) * absolute(at.c_x * at.c_z), per_c * per_c,
+          fma(real(0.35714285714285715) * start.u_s * absolute(at.c_z), per_c, real(kTinySquare)));
+  plan.step_c =
+      smaller(real(kReach) * l_stick,
+              real(kTurn / 7.0) * l_c * start.per_u_b *
+                  power(real(kSafe * 7.0) * start.tolerance * per_c * rough_inverse(turn), kOrder));
+  plan.h = shorter(at.rest, plan.step_c);
+  const Mask counts = gt(phi * plan.h, real(kCounts) * start.tolerance);
+  plan.counts = counts;
+  if (wanted(counts)) {
+    pass_zero(start, turn, per_c, phi, l_s, l_b, per_b, along, miss, reach, counts, plan);
+  }
+  plan.h = shorter(plan.h, at.h_cap);
+  const Mask halves = both(lt(plan.h, at.rest), gt(real(2.0) * plan.h, at.rest));
+  if (wanted(halves)) {
+    plan.h = select(halves, real(0.5) * at.rest, plan.h);
+  }
+  return plan;
+}
+
+// ---- A step --------------------------------------------------------------------------------------
+
+// Makes the step of a plan in the lanes `tries`; where its error is too large it is made shorter next
+// time. The end of a phase is found on the way. The lanes that came to the end of the collision.
+CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mask tries) {
+  const Real h = plan.h;
+
+  // 12 stages
+  const Real v0 = at.v;
+  const Real per_h = real(1.0) / h;
+  const Rates k0 = times(at.k, h);
+  [[maybe_unused]] const Real j0 = v0 * k0.t_y;
+  const Real c_x1 =
+      fma(real(-0.05260015195876773), k0.t_x, fma(real(0.3682010637113741), k0.d_x, at.c_x));
+  const Real c_z1 =
+      fma(real(0.13150037989691932), k0.t_y, fma(real(0.26300075979383863), k0.d_z, at.c_z));
+  const Real s_x1 =
+      fma(real(-0.0789002279381516), k0.t_x, fma(real(-0.05260015195876773), k0.d_x, at.s_x));
+  const Real s_y1 =
+      fma(real(-0.0789002279381516), k0.t_y,
+          fma(real(-0.13150037989691932), k0.d_z, fma(real(0.05260015195876773), h, at.s_y)));
+  const Slips y1 = {c_x1, c_z1, s_x1, s_y1};
+  const Rates k1 = rates_at(start, y1, h);
+
+  const Real m2_d_x = real(0.0197250569845379) * k0.d_x;
+  const Real m2_d_z = real(0.0197250569845379) * k0.d_z;
+  const Real m2_t_x = real(0.0197250569845379) * k0.t_x;
+  const Real m2_t_y = real(0.0197250569845379) * k0.t_y;
+  Real c_x2 = at.c_x;
+  c_x2 = fma(real(7.0), m2_d_x, c_x2);
+  c_x2 = c_x2 - m2_t_x;
+  c_x2 = fma(real(0.41422619667529587), k1.d_x, c_x2);
+  c_x2 = fma(real(-0.0591751709536137), k1.t_x, c_x2);
+  Real c_z2 = at.c_z;
+  c_z2 = fma(real(5.0), m2_d_z, c_z2);
+  c_z2 = fma(real(2.5), m2_t_y, c_z2);
+  c_z2 = fma(real(0.2958758547680685), k1.d_z, c_z2);
+  c_z2 = fma(real(0.14793792738403425), k1.t_y, c_z2);
+  Real s_x2 = at.s_x;
+  s_x2 = s_x2 - m2_d_x;
+  s_x2 = fma(real(-1.5), m2_t_x, s_x2);
+  s_x2 = fma(real(-0.0591751709536137), k1.d_x, s_x2);
+  s_x2 = fma(real(-0.08876275643042054), k1.t_x, s_x2);
+  Real s_y2 = at.s_y;
+  s_y2 = fma(real(0.0789002279381516), h, s_y2);
+  s_y2 = fma(real(-2.5), m2_d_z, s_y2);
+  s_y2 = fma(real(-1.5), m2_t_y, s_y2);
+  s_y2 = fma(real(-0.14793792738403425), k1.d_z, s_y2);
+  s_y2 = fma(real(-0.08876275643042054), k1.t_y, s_y2);
+  const Slips y2 = {c_x2, c_z2, s_x2, s_y2};
+  const Rates k2 = rates_at(start, y2, h);
+
+  const Real m3_d_x = real(0.02958758547680685) * k0.d_x;
+  const Real m3_d_z = real(0.02958758547680685) * k0.d_z;
+  const Real m3_t_x = real(0.02958758547680685) * k0.t_x;
+  const Real m3_t_y = real(0.02958758547680685) * k0.t_y;
+  Real c_x3 = at.c_x;
+  c_x3 = fma(real(7.0), m3_d_x, c_x3);
+  c_x3 = c_x3 - m3_t_x;
+  c_x3 = fma(real(0.6213392950129438), k2.d_x, c_x3);
+  c_x3 = fma(real(-0.08876275643042054), k2.t_x, c_x3);
+  Real c_z3 = at.c_z;
+  c_z3 = fma(real(5.0), m3_d_z, c_z3);
+  c_z3 = fma(real(2.5), m3_t_y, c_z3);
+  c_z3 = fma(real(0.44381378215210276), k2.d_z, c_z3);
+  c_z3 = fma(real(0.22190689107605138), k2.t_y, c_z3);
+  Real s_x3 = at.s_x;
+  s_x3 = s_x3 - m3_d_x;
+  s_x3 = fma(real(-1.5), m3_t_x, s_x3);
+  s_x3 = fma(real(-0.08876275643042054), k2.d_x, s_x3);
+  s_x3 = fma(real(-0.13314413464563082), k2.t_x, s_x3);
+  Real s_y3 = at.s_y;
+  s_y3 = fma(real(0.1183503419072274), h, s_y3);
+  s_y3 = fma(real(-2.5), m3_d_z, s_y3);
+  s_y3 = fma(real(-1.5), m3_t_y, s_y3);
+  s_y3 = fma(real(-0.22190689107605138), k2.d_z, s_y3);
+  s_y3 = fma(real(-0.13314413464563082), k2.t_y, s_y3);
+  const Slips y3 = {c_x3, c_z3, s_x3, s_y3};
+  const Rates k3 = rates_at(start, y3, h);
+
+  const Real m4_d_x = fma(real(-0.8845494793282861), k2.d_x, real(0.2413651341592667) * k0.d_x);
+  const Real m4_d_z = fma(real(-0.8845494793282861), k2.d_z, real(0.2413651341592667) * k0.d_z);
+  const Real m4_t_x = fma(real(-0.8845494793282861), k2.t_x, real(0.2413651341592667) * k0.t_x);
+  const Real m4_t_y = fma(real(-0.8845494793282861), k2.t_y, real(0.2413651341592667) * k0.t_y);
+  Real c_x4 = at.c_x;
+  c_x4 = fma(real(7.0), m4_d_x, c_x4);
+  c_x4 = c_x4 - m4_t_x;
+  c_x4 = fma(real(6.473838022832544), k3.d_x, c_x4);
+  c_x4 = fma(real(-0.924834003261792), k3.t_x, c_x4);
+  Real c_z4 = at.c_z;
+  c_z4 = fma(real(5.0), m4_d_z, c_z4);
+  c_z4 = fma(real(2.5), m4_t_y, c_z4);
+  c_z4 = fma(real(4.62417001630896), k3.d_z, c_z4);
+  c_z4 = fma(real(2.31208500815448), k3.t_y, c_z4);
+  Real s_x4 = at.s_x;
+  s_x4 = s_x4 - m4_d_x;
+  s_x4 = fma(real(-1.5), m4_t_x, s_x4);
+  s_x4 = fma(real(-0.924834003261792), k3.d_x, s_x4);
+  s_x4 = fma(real(-1.387251004892688), k3.t_x, s_x4);
+  Real s_y4 = at.s_y;
+  s_y4 = fma(real(0.2816496580927726), h, s_y4);
+  s_y4 = fma(real(-2.5), m4_d_z, s_y4);
+  s_y4 = fma(real(-1.5), m4_t_y, s_y4);
+  s_y4 = fma(real(-2.31208500815448), k3.d_z, s_y4);
+  s_y4 = fma(real(-1.387251004892688), k3.t_y, s_y4);
+  const Slips y4 = {c_x4, c_z4, s_x4, s_y4};
+  const Rates k4 = rates_at(start, y4, h);
+
+  const Real m5_d_x = fma(real(0.17082860872947386), k3.d_x, real(0.037037037037037035) * k0.d_x);
+  const Real m5_d_z = fma(real(0.17082860872947386), k3.d_z, real(0.037037037037037035) * k0.d_z);
+  const Real m5_t_x = fma(real(0.17082860872947386), k3.t_x, real(0.037037037037037035) * k0.t_x);
+  const Real m5_t_y = fma(real(0.17082860872947386), k3.t_y, real(0.037037037037037035) * k0.t_y);
+  const Real sum5_t_y =
+      fma(real(0.12546768756682242), k4.t_y,
+          fma(real(0.17082860872947386), k3.t_y, real(0.037037037037037035) * k0.t_y));
+  Real c_x5 = at.c_x;
+  c_x5 = fma(real(7.0), m5_d_x, c_x5);
+  c_x5 = c_x5 - m5_t_x;
+  c_x5 = fma(real(0.878273812967757), k4.d_x, c_x5);
+  c_x5 = fma(real(-0.12546768756682242), k4.t_x, c_x5);
+  Real c_z5 = at.c_z;
+  c_z5 = fma(real(5.0), m5_d_z, c_z5);
+  c_z5 = fma(real(2.5), m5_t_y, c_z5);
+  c_z5 = fma(real(0.6273384378341121), k4.d_z, c_z5);
+  c_z5 = fma(real(0.31366921891705607), k4.t_y, c_z5);
+  Real s_x5 = at.s_x;
+  s_x5 = s_x5 - m5_d_x;
+  s_x5 = fma(real(-1.5), m5_t_x, s_x5);
+  s_x5 = fma(real(-0.12546768756682242), k4.d_x, s_x5);
+  s_x5 = fma(real(-0.18820153135023363), k4.t_x, s_x5);
+  Real s_y5 = at.s_y;
+  s_y5 = fma(real(0.3333333333333333), h, s_y5);
+  s_y5 = fma(real(-2.5), m5_d_z, s_y5);
+  s_y5 = fma(real(-1.5), m5_t_y, s_y5);
+  s_y5 = fma(real(-0.31366921891705607), k4.d_z, s_y5);
+  s_y5 = fma(real(-0.18820153135023363), k4.t_y, s_y5);
+  const Slips y5 = {c_x5, c_z5, s_x5, s_y5};
+  const Rates k5 = rates_at(start, y5, h);
+  const Real v5 = fma(real(0.6666666666666666), h, v0) + sum5_t_y;
+  const Real j5 = k5.t_y * v5;
+
+  const Real m6_d_x = fma(real(0.06021653898045596), k4.d_x,
+                          fma(real(0.17025221101954405), k3.d_x, real(0.037109375) * k0.d_x));
+  const Real m6_d_z = fma(real(0.06021653898045596), k4.d_z,
+                          fma(real(0.17025221101954405), k3.d_z, real(0.037109375) * k0.d_z));
+  const Real m6_t_x = fma(real(0.06021653898045596), k4.t_x,
+                          fma(real(0.17025221101954405), k3.t_x, real(0.037109375) * k0.t_x));
+  const Real m6_t_y = fma(real(0.06021653898045596), k4.t_y,
+                          fma(real(0.17025221101954405), k3.t_y, real(0.037109375) * k0.t_y));
+  const Real sum6_t_y =
+      fma(real(-0.017578125), k5.t_y,
+          fma(real(0.06021653898045596), k4.t_y,
+              fma(real(0.17025221101954405), k3.t_y, real(0.037109375) * k0.t_y)));
+  Real c_x6 = at.c_x;
+  c_x6 = fma(real(7.0), m6_d_x, c_x6);
+  c_x6 = c_x6 - m6_t_x;
+  c_x6 = fma(real(-0.123046875), k5.d_x, c_x6);
+  c_x6 = fma(real(0.017578125), k5.t_x, c_x6);
+  Real c_z6 = at.c_z;
+  c_z6 = fma(real(5.0), m6_d_z, c_z6);
+  c_z6 = fma(real(2.5), m6_t_y, c_z6);
+  c_z6 = fma(real(-0.087890625), k5.d_z, c_z6);
+  c_z6 = fma(real(-0.0439453125), k5.t_y, c_z6);
+  Real s_x6 = at.s_x;
+  s_x6 = s_x6 - m6_d_x;
+  s_x6 = fma(real(-1.5), m6_t_x, s_x6);
+  s_x6 = fma(real(0.017578125), k5.d_x, s_x6);
+  s_x6 = fma(real(0.0263671875), k5.t_x, s_x6);
+  Real s_y6 = at.s_y;
+  s_y6 = fma(real(0.25), h, s_y6);
+  s_y6 = fma(real(-2.5), m6_d_z, s_y6);
+  s_y6 = fma(real(-1.5), m6_t_y, s_y6);
+  s_y6 = fma(real(0.0439453125), k5.d_z, s_y6);
+  s_y6 = fma(real(0.0263671875), k5.t_y, s_y6);
+  const Slips y6 = {c_x6, c_z6, s_x6, s_y6};
+  const Rates k6 = rates_at(start, y6, h);
+  const Real v6 = fma(real(0.5), h, v0) + sum6_t_y;
+  const Real j6 = k6.t_y * v6;
+
+  const Real m7_d_x =
+      fma(real(-0.015319437748624402), k5.d_x,
+          fma(real(0.10726203044637328), k4.d_x,
+              fma(real(0.17038392571223998), k3.d_x, real(0.03709200011850479) * k0.d_x)));
+  const Real m7_d_z =
+      fma(real(-0.015319437748624402), k5.d_z,
+          fma(real(0.10726203044637328), k4.d_z,
+              fma(real(0.17038392571223998), k3.d_z, real(0.03709200011850479) * k0.d_z)));
+  const Real m7_t_x =
+      fma(real(-0.015319437748624402), k5.t_x,
+          fma(real(0.10726203044637328), k4.t_x,
+              fma(real(0.17038392571223998), k3.t_x, real(0.03709200011850479) * k0.t_x)));
+  const Real m7_t_y =
+      fma(real(-0.015319437748624402), k5.t_y,
+          fma(real(0.10726203044637328), k4.t_y,
+              fma(real(0.17038392571223998), k3.t_y, real(0.03709200011850479) * k0.t_y)));
+  Real sum7_t_y = real(0.03709200011850479) * k0.t_y;
+  sum7_t_y = fma(real(0.17038392571223998), k3.t_y, sum7_t_y);
+  sum7_t_y = fma(real(0.10726203044637328), k4.t_y, sum7_t_y);
+  sum7_t_y = fma(real(-0.015319437748624402), k5.t_y, sum7_t_y);
+  sum7_t_y = fma(real(0.008273789163814023), k6.t_y, sum7_t_y);
+  Real c_x7 = at.c_x;
+  c_x7 = fma(real(7.0), m7_d_x, c_x7);
+  c_x7 = c_x7 - m7_t_x;
+  c_x7 = fma(real(0.05791652414669816), k6.d_x, c_x7);
+  c_x7 = fma(real(-0.008273789163814023), k6.t_x, c_x7);
+  Real c_z7 = at.c_z;
+  c_z7 = fma(real(5.0), m7_d_z, c_z7);
+  c_z7 = fma(real(2.5), m7_t_y, c_z7);
+  c_z7 = fma(real(0.041368945819070115), k6.d_z, c_z7);
+  c_z7 = fma(real(0.020684472909535057), k6.t_y, c_z7);
+  Real s_x7 = at.s_x;
+  s_x7 = s_x7 - m7_d_x;
+  s_x7 = fma(real(-1.5), m7_t_x, s_x7);
+  s_x7 = fma(real(-0.008273789163814023), k6.d_x, s_x7);
+  s_x7 = fma(real(-0.012410683745721034), k6.t_x, s_x7);
+  Real s_y7 = at.s_y;
+  s_y7 = fma(real(0.3076923076923077), h, s_y7);
+  s_y7 = fma(real(-2.5), m7_d_z, s_y7);
+  s_y7 = fma(real(-1.5), m7_t_y, s_y7);
+  s_y7 = fma(real(-0.020684472909535057), k6.d_z, s_y7);
+  s_y7 = fma(real(-0.012410683745721034), k6.t_y, s_y7);
+  const Slips y7 = {c_x7, c_z7, s_x7, s_y7};
+  const Rates k7 = rates_at(start, y7, h);
+  const Real v7 = fma(real(0.6153846153846154), h, v0) + sum7_t_y;
+  const Real j7 = k7.t_y * v7;
+
+  Real m8_d_x = real(0.6241109587160757) * k0.d_x;
+  m8_d_x = fma(real(-3.3608926294469414), k3.d_x, m8_d_x);
+  m8_d_x = fma(real(-0.868219346841726), k4.d_x, m8_d_x);
+  m8_d_x = fma(real(27.59209969944671), k5.d_x, m8_d_x);
+  m8_d_x = fma(real(20.154067550477894), k6.d_x, m8_d_x);
+  Real m8_d_z = real(0.6241109587160757) * k0.d_z;
+  m8_d_z = fma(real(-3.3608926294469414), k3.d_z, m8_d_z);
+  m8_d_z = fma(real(-0.868219346841726), k4.d_z, m8_d_z);
+  m8_d_z = fma(real(27.59209969944671), k5.d_z, m8_d_z);
+  m8_d_z = fma(real(20.154067550477894), k6.d_z, m8_d_z);
+  Real m8_t_x = real(0.6241109587160757) * k0.t_x;
+  m8_t_x = fma(real(-3.3608926294469414), k3.t_x, m8_t_x);
+  m8_t_x = fma(real(-0.868219346841726), k4.t_x, m8_t_x);
+  m8_t_x = fma(real(27.59209969944671), k5.t_x, m8_t_x);
+  m8_t_x = fma(real(20.154067550477894), k6.t_x, m8_t_x);
+  Real m8_t_y = real(0.6241109587160757) * k0.t_y;
+  m8_t_y = fma(real(-3.3608926294469414), k3.t_y, m8_t_y);
+  m8_t_y = fma(real(-0.868219346841726), k4.t_y, m8_t_y);
+  m8_t_y = fma(real(27.59209969944671), k5.t_y, m8_t_y);
+  m8_t_y = fma(real(20.154067550477894), k6.t_y, m8_t_y);
+  Real sum8_t_y = real(0.6241109587160757) * k0.t_y;
+  sum8_t_y = fma(real(-3.3608926294469414), k3.t_y, sum8_t_y);
+  sum8_t_y = fma(real(-0.868219346841726), k4.t_y, sum8_t_y);
+  sum8_t_y = fma(real(27.59209969944671), k5.t_y, sum8_t_y);
+  sum8_t_y = fma(real(20.154067550477894), k6.t_y, sum8_t_y);
+  sum8_t_y = fma(real(-43.48988418106996), k7.t_y, sum8_t_y);
+  Real c_x8 = at.c_x;
+  c_x8 = fma(real(7.0), m8_d_x, c_x8);
+  c_x8 = c_x8 - m8_t_x;
+  c_x8 = fma(real(-304.42918926748973), k7.d_x, c_x8);
+  c_x8 = fma(real(43.48988418106996), k7.t_x, c_x8);
+  Real c_z8 = at.c_z;
+  c_z8 = fma(real(5.0), m8_d_z, c_z8);
+  c_z8 = fma(real(2.5), m8_t_y, c_z8);
+  c_z8 = fma(real(-217.4494209053498), k7.d_z, c_z8);
+  c_z8 = fma(real(-108.7247104526749), k7.t_y, c_z8);
+  Real s_x8 = at.s_x;
+  s_x8 = s_x8 - m8_d_x;
+  s_x8 = fma(real(-1.5), m8_t_x, s_x8);
+  s_x8 = fma(real(43.48988418106996), k7.d_x, s_x8);
+  s_x8 = fma(real(65.23482627160494), k7.t_x, s_x8);
+  Real s_y8 = at.s_y;
+  s_y8 = fma(real(0.6512820512820513), h, s_y8);
+  s_y8 = fma(real(-2.5), m8_d_z, s_y8);
+  s_y8 = fma(real(-1.5), m8_t_y, s_y8);
+  s_y8 = fma(real(108.7247104526749), k7.d_z, s_y8);
+  s_y8 = fma(real(65.23482627160494), k7.t_y, s_y8);
+  const Slips y8 = {c_x8, c_z8, s_x8, s_y8};
+  const Rates k8 = rates_at(start, y8, h);
+  const Real v8 = fma(real(1.3025641025641026), h, v0) + sum8_t_y;
+  const Real j8 = k8.t_y * v8;
+
+  Real m9_d_x = real(0.47766253643826434) * k0.d_x;
+  m9_d_x = fma(real(-2.4881146199716677), k3.d_x, m9_d_x);
+  m9_d_x = fma(real(-0.590290826836843), k4.d_x, m9_d_x);
+  m9_d_x = fma(real(21.230051448181193), k5.d_x, m9_d_x);
+  m9_d_x = fma(real(15.279233632882423), k6.d_x, m9_d_x);
+  m9_d_x = fma(real(-33.28821096898486), k7.d_x, m9_d_x);
+  Real m9_d_z = real(0.47766253643826434) * k0.d_z;
+  m9_d_z = fma(real(-2.4881146199716677), k3.d_z, m9_d_z);
+  m9_d_z = fma(real(-0.590290826836843), k4.d_z, m9_d_z);
+  m9_d_z = fma(real(21.230051448181193), k5.d_z, m9_d_z);
+  m9_d_z = fma(real(15.279233632882423), k6.d_z, m9_d_z);
+  m9_d_z = fma(real(-33.28821096898486), k7.d_z, m9_d_z);
+  Real m9_t_x = real(0.47766253643826434) * k0.t_x;
+  m9_t_x = fma(real(-2.4881146199716677), k3.t_x, m9_t_x);
+  m9_t_x = fma(real(-0.590290826836843), k4.t_x, m9_t_x);
+  m9_t_x = fma(real(21.230051448181193), k5.t_x, m9_t_x);
+  m9_t_x = fma(real(15.279233632882423), k6.t_x, m9_t_x);
+  m9_t_x = fma(real(-33.28821096898486), k7.t_x, m9_t_x);
+  Real m9_t_y = real(0.47766253643826434) * k0.t_y;
+  m9_t_y = fma(real(-2.4881146199716677), k3.t_y, m9_t_y);
+  m9_t_y = fma(real(-0.590290826836843), k4.t_y, m9_t_y);
+  m9_t_y = fma(real(21.230051448181193), k5.t_y, m9_t_y);
+  m9_t_y = fma(real(15.279233632882423), k6.t_y, m9_t_y);
+  m9_t_y = fma(real(-33.28821096898486), k7.t_y, m9_t_y);
+  Real sum9_t_y = real(0.47766253643826434) * k0.t_y;
+  sum9_t_y = fma(real(-2.4881146199716677), k3.t_y, sum9_t_y);
+  sum9_t_y = fma(real(-0.590290826836843), k4.t_y, sum9_t_y);
+  sum9_t_y = fma(real(21.230051448181193), k5.t_y, sum9_t_y);
+  sum9_t_y = fma(real(15.279233632882423), k6.t_y, sum9_t_y);
+  sum9_t_y = fma(real(-33.28821096898486), k7.t_y, sum9_t_y);
+  sum9_t_y = fma(real(-0.020331201708508627), k8.t_y, sum9_t_y);
+  Real c_x9 = at.c_x;
+  c_x9 = fma(real(7.0), m9_d_x, c_x9);
+  c_x9 = c_x9 - m9_t_x;
+  c_x9 = fma(real(-0.14231841195956038), k8.d_x, c_x9);
+  c_x9 = fma(real(0.020331201708508627), k8.t_x, c_x9);
+  Real c_z9 = at.c_z;
+  c_z9 = fma(real(5.0), m9_d_z, c_z9);
+  c_z9 = fma(real(2.5), m9_t_y, c_z9);
+  c_z9 = fma(real(-0.10165600854254313), k8.d_z, c_z9);
+  c_z9 = fma(real(-0.050828004271271564), k8.t_y, c_z9);
+  Real s_x9 = at.s_x;
+  s_x9 = s_x9 - m9_d_x;
+  s_x9 = fma(real(-1.5), m9_t_x, s_x9);
+  s_x9 = fma(real(0.020331201708508627), k8.d_x, s_x9);
+  s_x9 = fma(real(0.03049680256276294), k8.t_x, s_x9);
+  Real s_y9 = at.s_y;
+  s_y9 = fma(real(0.6), h, s_y9);
+  s_y9 = fma(real(-2.5), m9_d_z, s_y9);
+  s_y9 = fma(real(-1.5), m9_t_y, s_y9);
+  s_y9 = fma(real(0.050828004271271564), k8.d_z, s_y9);
+  s_y9 = fma(real(0.03049680256276294), k8.t_y, s_y9);
+  const Slips y9 = {c_x9, c_z9, s_x9, s_y9};
+  const Rates k9 = rates_at(start, y9, h);
+  const Real v9 = fma(real(1.2), h, v0) + sum9_t_y;
+  const Real j9 = k9.t_y * v9;
+
+  Real m10_d_x = -real(0.9371424300859873) * k0.d_x;
+  m10_d_x = fma(real(5.186372428844064), k3.d_x, m10_d_x);
+  m10_d_x = fma(real(1.0914373489967295), k4.d_x, m10_d_x);
+  m10_d_x = fma(real(-8.149787010746927), k5.d_x, m10_d_x);
+  m10_d_x = fma(real(-18.52006565999696), k6.d_x, m10_d_x);
+  m10_d_x = fma(real(22.739487099350505), k7.d_x, m10_d_x);
+  m10_d_x = fma(real(2.4936055526796523), k8.d_x, m10_d_x);
+  Real m10_d_z = -real(0.9371424300859873) * k0.d_z;
+  m10_d_z = fma(real(5.186372428844064), k3.d_z, m10_d_z);
+  m10_d_z = fma(real(1.0914373489967295), k4.d_z, m10_d_z);
+  m10_d_z = fma(real(-8.149787010746927), k5.d_z, m10_d_z);
+  m10_d_z = fma(real(-18.52006565999696), k6.d_z, m10_d_z);
+  m10_d_z = fma(real(22.739487099350505), k7.d_z, m10_d_z);
+  m10_d_z = fma(real(2.4936055526796523), k8.d_z, m10_d_z);
+  Real m10_t_x = -real(0.9371424300859873) * k0.t_x;
+  m10_t_x = fma(real(5.186372428844064), k3.t_x, m10_t_x);
+  m10_t_x = fma(real(1.0914373489967295), k4.t_x, m10_t_x);
+  m10_t_x = fma(real(-8.149787010746927), k5.t_x, m10_t_x);
+  m10_t_x = fma(real(-18.52006565999696), k6.t_x, m10_t_x);
+  m10_t_x = fma(real(22.739487099350505), k7.t_x, m10_t_x);
+  m10_t_x = fma(real(2.4936055526796523), k8.t_x, m10_t_x);
+  Real m10_t_y = -real(0.9371424300859873) * k0.t_y;
+  m10_t_y = fma(real(5.186372428844064), k3.t_y, m10_t_y);
+  m10_t_y = fma(real(1.0914373489967295), k4.t_y, m10_t_y);
+  m10_t_y = fma(real(-8.149787010746927), k5.t_y, m10_t_y);
+  m10_t_y = fma(real(-18.52006565999696), k6.t_y, m10_t_y);
+  m10_t_y = fma(real(22.739487099350505), k7.t_y, m10_t_y);
+  m10_t_y = fma(real(2.4936055526796523), k8.t_y, m10_t_y);
+  Real sum10_t_y = -real(0.9371424300859873) * k0.t_y;
+  sum10_t_y = fma(real(5.186372428844064), k3.t_y, sum10_t_y);
+  sum10_t_y = fma(real(1.0914373489967295), k4.t_y, sum10_t_y);
+  sum10_t_y = fma(real(-8.149787010746927), k5.t_y, sum10_t_y);
+  sum10_t_y = fma(real(-18.52006565999696), k6.t_y, sum10_t_y);
+  sum10_t_y = fma(real(22.739487099350505), k7.t_y, sum10_t_y);
+  sum10_t_y = fma(real(2.4936055526796523), k8.t_y, sum10_t_y);
+  sum10_t_y = fma(real(-3.0467644718982196), k9.t_y, sum10_t_y);
+  Real c_x10 = at.c_x;
+  c_x10 = fma(real(7.0), m10_d_x, c_x10);
+  c_x10 = c_x10 - m10_t_x;
+  c_x10 = fma(real(-21.327351303287536), k9.d_x, c_x10);
+  c_x10 = fma(real(3.0467644718982196), k9.t_x, c_x10);
+  Real c_z10 = at.c_z;
+  c_z10 = fma(real(5.0), m10_d_z, c_z10);
+  c_z10 = fma(real(2.5), m10_t_y, c_z10);
+  c_z10 = fma(real(-15.233822359491098), k9.d_z, c_z10);
+  c_z10 = fma(real(-7.616911179745549), k9.t_y, c_z10);
+  Real s_x10 = at.s_x;
+  s_x10 = s_x10 - m10_d_x;
+  s_x10 = fma(real(-1.5), m10_t_x, s_x10);
+  s_x10 = fma(real(3.0467644718982196), k9.d_x, s_x10);
+  s_x10 = fma(real(4.5701467078473295), k9.t_x, s_x10);
+  Real s_y10 = at.s_y;
+  s_y10 = fma(real(0.8571428571428571), h, s_y10);
+  s_y10 = fma(real(-2.5), m10_d_z, s_y10);
+  s_y10 = fma(real(-1.5), m10_t_y, s_y10);
+  s_y10 = fma(real(7.616911179745549), k9.d_z, s_y10);
+  s_y10 = fma(real(4.5701467078473295), k9.t_y, s_y10);
+  const Slips y10 = {c_x10, c_z10, s_x10, s_y10};
+  const Rates k10 = rates_at(start, y10, h);
+  const Real v10 = fma(real(1.7142857142857142), h, v0) + sum10_t_y;
+  const Real j10 = k10.t_y * v10;
+
+  Real m11_d_x = real(2.273310147516538) * k0.d_x;
+  m11_d_x = fma(real(-10.53449546673725), k3.d_x, m11_d_x);
+  m11_d_x = fma(real(-2.0008720582248625), k4.d_x, m11_d_x);
+  m11_d_x = fma(real(-17.9589318631188), k5.d_x, m11_d_x);
+  m11_d_x = fma(real(27.94888452941996), k6.d_x, m11_d_x);
+  m11_d_x = fma(real(-2.8589982771350235), k7.d_x, m11_d_x);
+  m11_d_x = fma(real(-8.87285693353063), k8.d_x, m11_d_x);
+  m11_d_x = fma(real(12.360567175794303), k9.d_x, m11_d_x);
+  Real m11_d_z = real(2.273310147516538) * k0.d_z;
+  m11_d_z = fma(real(-10.53449546673725), k3.d_z, m11_d_z);
+  m11_d_z = fma(real(-2.0008720582248625), k4.d_z, m11_d_z);
+  m11_d_z = fma(real(-17.9589318631188), k5.d_z, m11_d_z);
+  m11_d_z = fma(real(27.94888452941996), k6.d_z, m11_d_z);
+  m11_d_z = fma(real(-2.8589982771350235), k7.d_z, m11_d_z);
+  m11_d_z = fma(real(-8.87285693353063), k8.d_z, m11_d_z);
+  m11_d_z = fma(real(12.360567175794303), k9.d_z, m11_d_z);
+  Real m11_t_x = real(2.273310147516538) * k0.t_x;
+  m11_t_x = fma(real(-10.53449546673725), k3.t_x, m11_t_x);
+  m11_t_x = fma(real(-2.0008720582248625), k4.t_x, m11_t_x);
+  m11_t_x = fma(real(-17.9589318631188), k5.t_x, m11_t_x);
+  m11_t_x = fma(real(27.94888452941996), k6.t_x, m11_t_x);
+  m11_t_x = fma(real(-2.8589982771350235), k7.t_x, m11_t_x);
+  m11_t_x = fma(real(-8.87285693353063), k8.t_x, m11_t_x);
+  m11_t_x = fma(real(12.360567175794303), k9.t_x, m11_t_x);
+  Real m11_t_y = real(2.273310147516538) * k0.t_y;
+  m11_t_y = fma(real(-10.53449546673725), k3.t_y, m11_t_y);
+  m11_t_y = fma(real(-2.0008720582248625), k4.t_y, m11_t_y);
+  m11_t_y = fma(real(-17.9589318631188), k5.t_y, m11_t_y);
+  m11_t_y = fma(real(27.94888452941996), k6.t_y, m11_t_y);
+  m11_t_y = fma(real(-2.8589982771350235), k7.t_y, m11_t_y);
+  m11_t_y = fma(real(-8.87285693353063), k8.t_y, m11_t_y);
+  m11_t_y = fma(real(12.360567175794303), k9.t_y, m11_t_y);
+  Real sum11_t_y = real(2.273310147516538) * k0.t_y;
+  sum11_t_y = fma(real(-10.53449546673725), k3.t_y, sum11_t_y);
+  sum11_t_y = fma(real(-2.0008720582248625), k4.t_y, sum11_t_y);
+  sum11_t_y = fma(real(-17.9589318631188), k5.t_y, sum11_t_y);
+  sum11_t_y = fma(real(27.94888452941996), k6.t_y, sum11_t_y);
+  sum11_t_y = fma(real(-2.8589982771350235), k7.t_y, sum11_t_y);
+  sum11_t_y = fma(real(-8.87285693353063), k8.t_y, sum11_t_y);
+  sum11_t_y = fma(real(12.360567175794303), k9.t_y, sum11_t_y);
+  sum11_t_y = fma(real(0.6433927460157636), k10.t_y, sum11_t_y);
+  Real c_x11 = at.c_x;
+  c_x11 = fma(real(7.0), m11_d_x, c_x11);
+  c_x11 = c_x11 - m11_t_x;
+  c_x11 = fma(real(4.503749222110344), k10.d_x, c_x11);
+  c_x11 = fma(real(-0.6433927460157636), k10.t_x, c_x11);
+  Real c_z11 = at.c_z;
+  c_z11 = fma(real(5.0), m11_d_z, c_z11);
+  c_z11 = fma(real(2.5), m11_t_y, c_z11);
+  c_z11 = fma(real(3.2169637300788176), k10.d_z, c_z11);
+  c_z11 = fma(real(1.6084818650394088), k10.t_y, c_z11);
+  Real s_x11 = at.s_x;
+  s_x11 = s_x11 - m11_d_x;
+  s_x11 = fma(real(-1.5), m11_t_x, s_x11);
+  s_x11 = fma(real(-0.6433927460157636), k10.d_x, s_x11);
+  s_x11 = fma(real(-0.9650891190236452), k10.t_x, s_x11);
+  Real s_y11 = at.s_y;
+  s_y11 = s_y11 + h;
+  s_y11 = fma(real(-2.5), m11_d_z, s_y11);
+  s_y11 = fma(real(-1.5), m11_t_y, s_y11);
+  s_y11 = fma(real(-1.6084818650394088), k10.d_z, s_y11);
+  s_y11 = fma(real(-0.9650891190236452), k10.t_y, s_y11);
+  const Slips y11 = {c_x11, c_z11, s_x11, s_y11};
+  const Rates k11 = rates_at(start, y11, h);
+  const Real v11 = fma(real(2.0), h, v0) + sum11_t_y;
+  const Real j11 = k11.t_y * v11;
+
+  Real m12_d_x = real(0.054293734116568765) * k0.d_x;
+  m12_d_x = fma(real(4.450312892752409), k5.d_x, m12_d_x);
+  m12_d_x = fma(real(1.8915178993145003), k6.d_x, m12_d_x);
+  m12_d_x = fma(real(-5.801203960010585), k7.d_x, m12_d_x);
+  m12_d_x = fma(real(0.3111643669578199), k8.d_x, m12_d_x);
+  m12_d_x = fma(real(-0.1521609496625161), k9.d_x, m12_d_x);
+  m12_d_x = fma(real(0.20136540080403034), k10.d_x, m12_d_x);
+  Real m12_d_z = real(0.054293734116568765) * k0.d_z;
+  m12_d_z = fma(real(4.450312892752409), k5.d_z, m12_d_z);
+  m12_d_z = fma(real(1.8915178993145003), k6.d_z, m12_d_z);
+  m12_d_z = fma(real(-5.801203960010585), k7.d_z, m12_d_z);
+  m12_d_z = fma(real(0.3111643669578199), k8.d_z, m12_d_z);
+  m12_d_z = fma(real(-0.1521609496625161), k9.d_z, m12_d_z);
+  m12_d_z = fma(real(0.20136540080403034), k10.d_z, m12_d_z);
+  Real m12_t_x = real(0.054293734116568765) * k0.t_x;
+  m12_t_x = fma(real(4.450312892752409), k5.t_x, m12_t_x);
+  m12_t_x = fma(real(1.8915178993145003), k6.t_x, m12_t_x);
+  m12_t_x = fma(real(-5.801203960010585), k7.t_x, m12_t_x);
+  m12_t_x = fma(real(0.3111643669578199), k8.t_x, m12_t_x);
+  m12_t_x = fma(real(-0.1521609496625161), k9.t_x, m12_t_x);
+  m12_t_x = fma(real(0.20136540080403034), k10.t_x, m12_t_x);
+  Real m12_t_y = real(0.054293734116568765) * k0.t_y;
+  m12_t_y = fma(real(4.450312892752409), k5.t_y, m12_t_y);
+  m12_t_y = fma(real(1.8915178993145003), k6.t_y, m12_t_y);
+  m12_t_y = fma(real(-5.801203960010585), k7.t_y, m12_t_y);
+  m12_t_y = fma(real(0.3111643669578199), k8.t_y, m12_t_y);
+  m12_t_y = fma(real(-0.1521609496625161), k9.t_y, m12_t_y);
+  m12_t_y = fma(real(0.20136540080403034), k10.t_y, m12_t_y);
+  Real sum12_d_x = real(0.054293734116568765) * k0.d_x;
+  sum12_d_x = fma(real(4.450312892752409), k5.d_x, sum12_d_x);
+  sum12_d_x = fma(real(1.8915178993145003), k6.d_x, sum12_d_x);
+  sum12_d_x = fma(real(-5.801203960010585), k7.d_x, sum12_d_x);
+  sum12_d_x = fma(real(0.3111643669578199), k8.d_x, sum12_d_x);
+  sum12_d_x = fma(real(-0.1521609496625161), k9.d_x, sum12_d_x);
+  sum12_d_x = fma(real(0.20136540080403034), k10.d_x, sum12_d_x);
+  sum12_d_x = fma(real(0.04471061572777259), k11.d_x, sum12_d_x);
+  Real sum12_d_z = real(0.054293734116568765) * k0.d_z;
+  sum12_d_z = fma(real(4.450312892752409), k5.d_z, sum12_d_z);
+  sum12_d_z = fma(real(1.8915178993145003), k6.d_z, sum12_d_z);
+  sum12_d_z = fma(real(-5.801203960010585), k7.d_z, sum12_d_z);
+  sum12_d_z = fma(real(0.3111643669578199), k8.d_z, sum12_d_z);
+  sum12_d_z = fma(real(-0.1521609496625161), k9.d_z, sum12_d_z);
+  sum12_d_z = fma(real(0.20136540080403034), k10.d_z, sum12_d_z);
+  sum12_d_z = fma(real(0.04471061572777259), k11.d_z, sum12_d_z);
+  Real sum12_t_x = real(0.054293734116568765) * k0.t_x;
+  sum12_t_x = fma(real(4.450312892752409), k5.t_x, sum12_t_x);
+  sum12_t_x = fma(real(1.8915178993145003), k6.t_x, sum12_t_x);
+  sum12_t_x = fma(real(-5.801203960010585), k7.t_x, sum12_t_x);
+  sum12_t_x = fma(real(0.3111643669578199), k8.t_x, sum12_t_x);
+  sum12_t_x = fma(real(-0.1521609496625161), k9.t_x, sum12_t_x);
+  sum12_t_x = fma(real(0.20136540080403034), k10.t_x, sum12_t_x);
+  sum12_t_x = fma(real(0.04471061572777259), k11.t_x, sum12_t_x);
+  Real sum12_t_y = real(0.054293734116568765) * k0.t_y;
+  sum12_t_y = fma(real(4.450312892752409), k5.t_y, sum12_t_y);
+  sum12_t_y = fma(real(1.8915178993145003), k6.t_y, sum12_t_y);
+  sum12_t_y = fma(real(-5.801203960010585), k7.t_y, sum12_t_y);
+  sum12_t_y = fma(real(0.3111643669578199), k8.t_y, sum12_t_y);
+  sum12_t_y = fma(real(-0.1521609496625161), k9.t_y, sum12_t_y);
+  sum12_t_y = fma(real(0.20136540080403034), k10.t_y, sum12_t_y);
+  sum12_t_y = fma(real(0.04471061572777259), k11.t_y, sum12_t_y);
+  Real c_x12 = at.c_x;
+  c_x12 = fma(real(7.0), m12_d_x, c_x12);
+  c_x12 = c_x12 - m12_t_x;
+  c_x12 = fma(real(0.3129743100944081), k11.d_x, c_x12);
+  c_x12 = fma(real(-0.04471061572777259), k11.t_x, c_x12);
+  Real c_z12 = at.c_z;
+  c_z12 = fma(real(5.0), m12_d_z, c_z12);
+  c_z12 = fma(real(2.5), m12_t_y, c_z12);
+  c_z12 = fma(real(0.22355307863886295), k11.d_z, c_z12);
+  c_z12 = fma(real(0.11177653931943148), k11.t_y, c_z12);
+  Real s_x12 = at.s_x;
+  s_x12 = s_x12 - m12_d_x;
+  s_x12 = fma(real(-1.5), m12_t_x, s_x12);
+  s_x12 = fma(real(-0.04471061572777259), k11.d_x, s_x12);
+  s_x12 = fma(real(-0.06706592359165889), k11.t_x, s_x12);
+  Real s_y12 = at.s_y;
+  s_y12 = s_y12 + h;
+  s_y12 = fma(real(-2.5), m12_d_z, s_y12);
+  s_y12 = fma(real(-1.5), m12_t_y, s_y12);
+  s_y12 = fma(real(-0.11177653931943148), k11.d_z, s_y12);
+  s_y12 = fma(real(-0.06706592359165889), k11.t_y, s_y12);
+  const Slips y12 = {c_x12, c_z12, s_x12, s_y12};
+  const Rates k12 = rates_at(start, y12, h);
+  const Real v12 = fma(real(2.0), h, v0) + sum12_t_y;
+  const Real j12 = k12.t_y * v12;
+
+  // Accept or shrink
+  Real e_d_x = real(0.01312004499419488) * k0.d_x;
+  e_d_x = fma(real(-1.2251564463762044), k5.d_x, e_d_x);
+  e_d_x = fma(real(-0.4957589496572502), k6.d_x, e_d_x);
+  e_d_x = fma(real(1.6643771824549864), k7.d_x, e_d_x);
+  e_d_x = fma(real(-0.35032884874997366), k8.d_x, e_d_x);
+  e_d_x = fma(real(0.3341791187130175), k9.d_x, e_d_x);
+  e_d_x = fma(real(0.08192320648511571), k10.d_x, e_d_x);
+  e_d_x = fma(real(-0.022355307863886294), k11.d_x, e_d_x);
+  Real e_d_z = real(0.01312004499419488) * k0.d_z;
+  e_d_z = fma(real(-1.2251564463762044), k5.d_z, e_d_z);
+  e_d_z = fma(real(-0.4957589496572502), k6.d_z, e_d_z);
+  e_d_z = fma(real(1.6643771824549864), k7.d_z, e_d_z);
+  e_d_z = fma(real(-0.35032884874997366), k8.d_z, e_d_z);
+  e_d_z = fma(real(0.3341791187130175), k9.d_z, e_d_z);
+  e_d_z = fma(real(0.08192320648511571), k10.d_z, e_d_z);
+  e_d_z = fma(real(-0.022355307863886294), k11.d_z, e_d_z);
+  Real e_t_x = real(0.01312004499419488) * k0.t_x;
+  e_t_x = fma(real(-1.2251564463762044), k5.t_x, e_t_x);
+  e_t_x = fma(real(-0.4957589496572502), k6.t_x, e_t_x);
+  e_t_x = fma(real(1.6643771824549864), k7.t_x, e_t_x);
+  e_t_x = fma(real(-0.35032884874997366), k8.t_x, e_t_x);
+  e_t_x = fma(real(0.3341791187130175), k9.t_x, e_t_x);
+  e_t_x = fma(real(0.08192320648511571), k10.t_x, e_t_x);
+  e_t_x = fma(real(-0.022355307863886294), k11.t_x, e_t_x);
+  Real e_t_y = real(0.01312004499419488) * k0.t_y;
+  e_t_y = fma(real(-1.2251564463762044), k5.t_y, e_t_y);
+  e_t_y = fma(real(-0.4957589496572502), k6.t_y, e_t_y);
+  e_t_y = fma(real(1.6643771824549864), k7.t_y, e_t_y);
+  e_t_y = fma(real(-0.35032884874997366), k8.t_y, e_t_y);
+  e_t_y = fma(real(0.3341791187130175), k9.t_y, e_t_y);
+  e_t_y = fma(real(0.08192320648511571), k10.t_y, e_t_y);
+  e_t_y = fma(real(-0.022355307863886294), k11.t_y, e_t_y);
+  Real e3_d_x = -real(0.18980075407240762) * k0.d_x;
+  e3_d_x = fma(real(4.450312892752409), k5.d_x, e3_d_x);
+  e3_d_x = fma(real(1.8915178993145003), k6.d_x, e3_d_x);
+  e3_d_x = fma(real(-5.801203960010585), k7.d_x, e3_d_x);
+  e3_d_x = fma(real(-0.42268232132379197), k8.d_x, e3_d_x);
+  e3_d_x = fma(real(-0.1521609496625161), k9.d_x, e3_d_x);
+  e3_d_x = fma(real(0.20136540080403034), k10.d_x, e3_d_x);
+  e3_d_x = fma(real(0.022651792198360825), k11.d_x, e3_d_x);
+  Real e3_d_z = -real(0.18980075407240762) * k0.d_z;
+  e3_d_z = fma(real(4.450312892752409), k5.d_z, e3_d_z);
+  e3_d_z = fma(real(1.8915178993145003), k6.d_z, e3_d_z);
+  e3_d_z = fma(real(-5.801203960010585), k7.d_z, e3_d_z);
+  e3_d_z = fma(real(-0.42268232132379197), k8.d_z, e3_d_z);
+  e3_d_z = fma(real(-0.1521609496625161), k9.d_z, e3_d_z);
+  e3_d_z = fma(real(0.20136540080403034), k10.d_z, e3_d_z);
+  e3_d_z = fma(real(0.022651792198360825), k11.d_z, e3_d_z);
+  Real e3_t_x = -real(0.18980075407240762) * k0.t_x;
+  e3_t_x = fma(real(4.450312892752409), k5.t_x, e3_t_x);
+  e3_t_x = fma(real(1.8915178993145003), k6.t_x, e3_t_x);
+  e3_t_x = fma(real(-5.801203960010585), k7.t_x, e3_t_x);
+  e3_t_x = fma(real(-0.42268232132379197), k8.t_x, e3_t_x);
+  e3_t_x = fma(real(-0.1521609496625161), k9.t_x, e3_t_x);
+  e3_t_x = fma(real(0.20136540080403034), k10.t_x, e3_t_x);
+  e3_t_x = fma(real(0.022651792198360825), k11.t_x, e3_t_x);
+  Real e3_t_y = -real(0.18980075407240762) * k0.t_y;
+  e3_t_y = fma(real(4.450312892752409), k5.t_y, e3_t_y);
+  e3_t_y = fma(real(1.8915178993145003), k6.t_y, e3_t_y);
+  e3_t_y = fma(real(-5.801203960010585), k7.t_y, e3_t_y);
+  e3_t_y = fma(real(-0.42268232132379197), k8.t_y, e3_t_y);
+  e3_t_y = fma(real(-0.1521609496625161), k9.t_y, e3_t_y);
+  e3_t_y = fma(real(0.20136540080403034), k10.t_y, e3_t_y);
+  e3_t_y = fma(real(0.022651792198360825), k11.t_y, e3_t_y);
+
+  const Real error =
+      real(2.5) * joint_error(fma(real(kTableError), larger(absolute(e_t_x), absolute(e_t_y)),
+                                  larger(absolute(e_d_x), absolute(e_d_z))),
+                              fma(real(kTableError), larger(absolute(e3_t_x), absolute(e3_t_y)),
+                                  larger(absolute(e3_d_x), absolute(e3_d_z))));
+  Mask keeps = both(tries, le(error, real(kSafe) * start.tolerance));
+  if (!keeps) {
+    __asm__ volatile("");
+    const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
+    at.h_cap = h * larger(real(0.1), real(0.9) * power(larger(ratio, real(kTinySquare)), kOrder));
+    return false;
+  }
+  Real j_sum = real(0.054293734116568765) * j0;
+  j_sum = fma(real(4.450312892752409), j5, j_sum);
+  j_sum = fma(real(1.8915178993145003), j6, j_sum);
+  j_sum = fma(real(-5.801203960010585), j7, j_sum);
+  j_sum = fma(real(0.3111643669578199), j8, j_sum);
+  j_sum = fma(real(-0.1521609496625161), j9, j_sum);
+  j_sum = fma(real(0.20136540080403034), j10, j_sum);
+  j_sum = fma(real(0.04471061572777259), j11, j_sum);
+
+  const Real dj = j_sum;
+  const Rates k_end = times(k12, per_h);
+
+  // Inside the step: the end of compression, and the end.
+  const Mask compressing = lt(v0, real(0.0));
+  const Real beyond =
+      remaining_impulse(start, compressing, at.target, v12, k_end.t_y, at.work + dj);
+  Mask lands = both(keeps, le(beyond, real(kExtend) * h));
+  Mask crosses = both(both(keeps, compressing), either(ge(v12, real(0.0)), lands));
+  Real work = at.work + dj;
+  Real rest = beyond;
+  Real end_c_x = y12.c_x;
+  Real end_c_z = y12.c_z;
+  Real end_s_x = y12.s_x;
+  Real end_s_y = y12.s_y;
+  Real move_d_x = sum12_d_x;
+  Real move_d_z = sum12_d_z;
+  Real move_t_x = sum12_t_x;
+  Real move_t_y = sum12_t_y;
+  Real dq_end = h;
+  if (any(either(lands, crosses))) {
+    __asm__ volatile("");
+    Real m13_d_x = real(0.056167502283047954) * k0.d_x;
+    m13_d_x = fma(real(0.25350021021662483), k6.d_x, m13_d_x);
+    m13_d_x = fma(real(-0.2462390374708025), k7.d_x, m13_d_x);
+    m13_d_x = fma(real(-0.12419142326381637), k8.d_x, m13_d_x);
+    m13_d_x = fma(real(0.15329179827876568), k9.d_x, m13_d_x);
+    m13_d_x = fma(real(0.00820105229563469), k10.d_x, m13_d_x);
+    m13_d_x = fma(real(0.007567897660545699), k11.d_x, m13_d_x);
+    Real m13_d_z = real(0.056167502283047954) * k0.d_z;
+    m13_d_z = fma(real(0.25350021021662483), k6.d_z, m13_d_z);
+    m13_d_z = fma(real(-0.2462390374708025), k7.d_z, m13_d_z);
+    m13_d_z = fma(real(-0.12419142326381637), k8.d_z, m13_d_z);
+    m13_d_z = fma(real(0.15329179827876568), k9.d_z, m13_d_z);
+    m13_d_z = fma(real(0.00820105229563469), k10.d_z, m13_d_z);
+    m13_d_z = fma(real(0.007567897660545699), k11.d_z, m13_d_z);
+    Real m13_t_x = real(0.056167502283047954) * k0.t_x;
+    m13_t_x = fma(real(0.25350021021662483), k6.t_x, m13_t_x);
+    m13_t_x = fma(real(-0.2462390374708025), k7.t_x, m13_t_x);
+    m13_t_x = fma(real(-0.12419142326381637), k8.t_x, m13_t_x);
+    m13_t_x = fma(real(0.15329179827876568), k9.t_x, m13_t_x);
+    m13_t_x = fma(real(0.00820105229563469), k10.t_x, m13_t_x);
+    m13_t_x = fma(real(0.007567897660545699), k11.t_x, m13_t_x);
+    Real m13_t_y = real(0.056167502283047954) * k0.t_y;
+    m13_t_y = fma(real(0.25350021021662483), k6.t_y, m13_t_y);
+    m13_t_y = fma(real(-0.2462390374708025), k7.t_y, m13_t_y);
+    m13_t_y = fma(real(-0.12419142326381637), k8.t_y, m13_t_y);
+    m13_t_y = fma(real(0.15329179827876568), k9.t_y, m13_t_y);
+    m13_t_y = fma(real(0.00820105229563469), k10.t_y, m13_t_y);
+    m13_t_y = fma(real(0.007567897660545699), k11.t_y, m13_t_y);
+    Real sum13_t_y = real(0.056167502283047954) * k0.t_y;
+    sum13_t_y = fma(real(0.25350021021662483), k6.t_y, sum13_t_y);
+    sum13_t_y = fma(real(-0.2462390374708025), k7.t_y, sum13_t_y);
+    sum13_t_y = fma(real(-0.12419142326381637), k8.t_y, sum13_t_y);
+    sum13_t_y = fma(real(0.15329179827876568), k9.t_y, sum13_t_y);
+    sum13_t_y = fma(real(0.00820105229563469), k10.t_y, sum13_t_y);
+    sum13_t_y = fma(real(0.007567897660545699), k11.t_y, sum13_t_y);
+    sum13_t_y = fma(real(-0.008298), k12.t_y, sum13_t_y);
+    Real c_x13 = at.c_x;
+    c_x13 = fma(real(7.0), m13_d_x, c_x13);
+    c_x13 = c_x13 - m13_t_x;
+    c_x13 = fma(real(-0.058086), k12.d_x, c_x13);
+    c_x13 = fma(real(0.008298), k12.t_x, c_x13);
+    Real c_z13 = at.c_z;
+    c_z13 = fma(real(5.0), m13_d_z, c_z13);
+    c_z13 = fma(real(2.5), m13_t_y, c_z13);
+    c_z13 = fma(real(-0.04149), k12.d_z, c_z13);
+    c_z13 = fma(real(-0.020745), k12.t_y, c_z13);
+    Real s_x13 = at.s_x;
+    s_x13 = s_x13 - m13_d_x;
+    s_x13 = fma(real(-1.5), m13_t_x, s_x13);
+    s_x13 = fma(real(0.008298), k12.d_x, s_x13);
+    s_x13 = fma(real(0.012447), k12.t_x, s_x13);
+    Real s_y13 = at.s_y;
+    s_y13 = fma(real(0.1), h, s_y13);
+    s_y13 = fma(real(-2.5), m13_d_z, s_y13);
+    s_y13 = fma(real(-1.5), m13_t_y, s_y13);
+    s_y13 = fma(real(0.020745), k12.d_z, s_y13);
+    s_y13 = fma(real(0.012447), k12.t_y, s_y13);
+    const Slips y13 = {c_x13, c_z13, s_x13, s_y13};
+    const Rates k13 = rates_at(start, y13, h);
+    const Real v13 = fma(real(0.2), h, v0) + sum13_t_y;
+    const Real j13 = k13.t_y * v13;
+
+    Real m14_d_x = real(0.03183464816350214) * k0.d_x;
+    m14_d_x = fma(real(0.028300909672366776), k5.d_x, m14_d_x);
+    m14_d_x = fma(real(0.053541988307438566), k6.d_x, m14_d_x);
+    m14_d_x = fma(real(-0.05492374857139099), k7.d_x, m14_d_x);
+    m14_d_x = fma(real(-0.00010834732869724932), k10.d_x, m14_d_x);
+    m14_d_x = fma(real(0.0003825710908356584), k11.d_x, m14_d_x);
+    m14_d_x = fma(real(-0.00034046500868740456), k12.d_x, m14_d_x);
+    Real m14_d_z = real(0.03183464816350214) * k0.d_z;
+    m14_d_z = fma(real(0.028300909672366776), k5.d_z, m14_d_z);
+    m14_d_z = fma(real(0.053541988307438566), k6.d_z, m14_d_z);
+    m14_d_z = fma(real(-0.05492374857139099), k7.d_z, m14_d_z);
+    m14_d_z = fma(real(-0.00010834732869724932), k10.d_z, m14_d_z);
+    m14_d_z = fma(real(0.0003825710908356584), k11.d_z, m14_d_z);
+    m14_d_z = fma(real(-0.00034046500868740456), k12.d_z, m14_d_z);
+    Real m14_t_x = real(0.03183464816350214) * k0.t_x;
+    m14_t_x = fma(real(0.028300909672366776), k5.t_x, m14_t_x);
+    m14_t_x = fma(real(0.053541988307438566), k6.t_x, m14_t_x);
+    m14_t_x = fma(real(-0.05492374857139099), k7.t_x, m14_t_x);
+    m14_t_x = fma(real(-0.00010834732869724932), k10.t_x, m14_t_x);
+    m14_t_x = fma(real(0.0003825710908356584), k11.t_x, m14_t_x);
+    m14_t_x = fma(real(-0.00034046500868740456), k12.t_x, m14_t_x);
+    Real m14_t_y = real(0.03183464816350214) * k0.t_y;
+    m14_t_y = fma(real(0.028300909672366776), k5.t_y, m14_t_y);
+    m14_t_y = fma(real(0.053541988307438566), k6.t_y, m14_t_y);
+    m14_t_y = fma(real(-0.05492374857139099), k7.t_y, m14_t_y);
+    m14_t_y = fma(real(-0.00010834732869724932), k10.t_y, m14_t_y);
+    m14_t_y = fma(real(0.0003825710908356584), k11.t_y, m14_t_y);
+    m14_t_y = fma(real(-0.00034046500868740456), k12.t_y, m14_t_y);
+    Real sum14_t_y = real(0.03183464816350214) * k0.t_y;
+    sum14_t_y = fma(real(0.028300909672366776), k5.t_y, sum14_t_y);
+    sum14_t_y = fma(real(0.053541988307438566), k6.t_y, sum14_t_y);
+    sum14_t_y = fma(real(-0.05492374857139099), k7.t_y, sum14_t_y);
+    sum14_t_y = fma(real(-0.00010834732869724932), k10.t_y, sum14_t_y);
+    sum14_t_y = fma(real(0.0003825710908356584), k11.t_y, sum14_t_y);
+    sum14_t_y = fma(real(-0.00034046500868740456), k12.t_y, sum14_t_y);
+    sum14_t_y = fma(real(0.1413124436746325), k13.t_y, sum14_t_y);
+    Real c_x14 = at.c_x;
+    c_x14 = fma(real(7.0), m14_d_x, c_x14);
+    c_x14 = c_x14 - m14_t_x;
+    c_x14 = fma(real(0.9891871057224275), k13.d_x, c_x14);
+    c_x14 = fma(real(-0.1413124436746325), k13.t_x, c_x14);
+    Real c_z14 = at.c_z;
+    c_z14 = fma(real(5.0), m14_d_z, c_z14);
+    c_z14 = fma(real(2.5), m14_t_y, c_z14);
+    c_z14 = fma(real(0.7065622183731625), k13.d_z, c_z14);
+    c_z14 = fma(real(0.35328110918658123), k13.t_y, c_z14);
+    Real s_x14 = at.s_x;
+    s_x14 = s_x14 - m14_d_x;
+    s_x14 = fma(real(-1.5), m14_t_x, s_x14);
+    s_x14 = fma(real(-0.1413124436746325), k13.d_x, s_x14);
+    s_x14 = fma(real(-0.21196866551194876), k13.t_x, s_x14);
+    Real s_y14 = at.s_y;
+    s_y14 = fma(real(0.2), h, s_y14);
+    s_y14 = fma(real(-2.5), m14_d_z, s_y14);
+    s_y14 = fma(real(-1.5), m14_t_y, s_y14);
+    s_y14 = fma(real(-0.35328110918658123), k13.d_z, s_y14);
+    s_y14 = fma(real(-0.21196866551194876), k13.t_y, s_y14);
+    const Slips y14 = {c_x14, c_z14, s_x14, s_y14};
+    const Rates k14 = rates_at(start, y14, h);
+    const Real v14 = fma(real(0.4), h, v0) + sum14_t_y;
+    const Real j14 = k14.t_y * v14;
+
+    Real m15_d_x = -real(0.42889630158379194) * k0.d_x;
+    m15_d_x = fma(real(-4.697621415361164), k5.d_x, m15_d_x);
+    m15_d_x = fma(real(7.683421196062599), k6.d_x, m15_d_x);
+    m15_d_x = fma(real(4.06898981839711), k7.d_x, m15_d_x);
+    m15_d_x = fma(real(0.3567271874552811), k8.d_x, m15_d_x);
+    m15_d_x = fma(real(-0.0013990241651590145), k12.d_x, m15_d_x);
+    m15_d_x = fma(real(2.9475147891527724), k13.d_x, m15_d_x);
+    Real m15_d_z = -real(0.42889630158379194) * k0.d_z;
+    m15_d_z = fma(real(-4.697621415361164), k5.d_z, m15_d_z);
+    m15_d_z = fma(real(7.683421196062599), k6.d_z, m15_d_z);
+    m15_d_z = fma(real(4.06898981839711), k7.d_z, m15_d_z);
+    m15_d_z = fma(real(0.3567271874552811), k8.d_z, m15_d_z);
+    m15_d_z = fma(real(-0.0013990241651590145), k12.d_z, m15_d_z);
+    m15_d_z = fma(real(2.9475147891527724), k13.d_z, m15_d_z);
+    Real m15_t_x = -real(0.42889630158379194) * k0.t_x;
+    m15_t_x = fma(real(-4.697621415361164), k5.t_x, m15_t_x);
+    m15_t_x = fma(real(7.683421196062599), k6.t_x, m15_t_x);
+    m15_t_x = fma(real(4.06898981839711), k7.t_x, m15_t_x);
+    m15_t_x = fma(real(0.3567271874552811), k8.t_x, m15_t_x);
+    m15_t_x = fma(real(-0.0013990241651590145), k12.t_x, m15_t_x);
+    m15_t_x = fma(real(2.9475147891527724), k13.t_x, m15_t_x);
+    Real m15_t_y = -real(0.42889630158379194) * k0.t_y;
+    m15_t_y = fma(real(-4.697621415361164), k5.t_y, m15_t_y);
+    m15_t_y = fma(real(7.683421196062599), k6.t_y, m15_t_y);
+    m15_t_y = fma(real(4.06898981839711), k7.t_y, m15_t_y);
+    m15_t_y = fma(real(0.3567271874552811), k8.t_y, m15_t_y);
+    m15_t_y = fma(real(-0.0013990241651590145), k12.t_y, m15_t_y);
+    m15_t_y = fma(real(2.9475147891527724), k13.t_y, m15_t_y);
+    Real sum15_t_y = -real(0.42889630158379194) * k0.t_y;
+    sum15_t_y = fma(real(-4.697621415361164), k5.t_y, sum15_t_y);
+    sum15_t_y = fma(real(7.683421196062599), k6.t_y, sum15_t_y);
+    sum15_t_y = fma(real(4.06898981839711), k7.t_y, sum15_t_y);
+    sum15_t_y = fma(real(0.3567271874552811), k8.t_y, sum15_t_y);
+    sum15_t_y = fma(real(-0.0013990241651590145), k12.t_y, sum15_t_y);
+    sum15_t_y = fma(real(2.9475147891527724), k13.t_y, sum15_t_y);
+    sum15_t_y = fma(real(-9.15095847217987), k14.t_y, sum15_t_y);
+    Real c_x15 = at.c_x;
+    c_x15 = fma(real(7.0), m15_d_x, c_x15);
+    c_x15 = c_x15 - m15_t_x;
+    c_x15 = fma(real(-64.05670930525909), k14.d_x, c_x15);
+    c_x15 = fma(real(9.15095847217987), k14.t_x, c_x15);
+    Real c_z15 = at.c_z;
+    c_z15 = fma(real(5.0), m15_d_z, c_z15);
+    c_z15 = fma(real(2.5), m15_t_y, c_z15);
+    c_z15 = fma(real(-45.75479236089935), k14.d_z, c_z15);
+    c_z15 = fma(real(-22.877396180449676), k14.t_y, c_z15);
+    Real s_x15 = at.s_x;
+    s_x15 = s_x15 - m15_d_x;
+    s_x15 = fma(real(-1.5), m15_t_x, s_x15);
+    s_x15 = fma(real(9.15095847217987), k14.d_x, s_x15);
+    s_x15 = fma(real(13.726437708269804), k14.t_x, s_x15);
+    Real s_y15 = at.s_y;
+    s_y15 = fma(real(0.7777777777777778), h, s_y15);
+    s_y15 = fma(real(-2.5), m15_d_z, s_y15);
+    s_y15 = fma(real(-1.5), m15_t_y, s_y15);
+    s_y15 = fma(real(22.877396180449676), k14.d_z, s_y15);
+    s_y15 = fma(real(13.726437708269804), k14.t_y, s_y15);
+    const Slips y15 = {c_x15, c_z15, s_x15, s_y15};
+    const Rates k15 = rates_at(start, y15, h);
+    const Real v15 = fma(real(1.5555555555555556), h, v0) + sum15_t_y;
+    const Real j15 = k15.t_y * v15;
+
+    Real r0_t_y = -real(8.428938276109013) * k0.t_y;
+    r0_t_y = fma(real(0.5667149535193777), k5.t_y, r0_t_y);
+    r0_t_y = fma(real(-3.0689499459498917), k6.t_y, r0_t_y);
+    r0_t_y = fma(real(2.38466765651207), k7.t_y, r0_t_y);
+    r0_t_y = fma(real(2.117034582445028), k8.t_y, r0_t_y);
+    r0_t_y = fma(real(-0.871391583777973), k9.t_y, r0_t_y);
+    r0_t_y = fma(real(2.2404374302607883), k10.t_y, r0_t_y);
+    r0_t_y = fma(real(0.6315787787694688), k11.t_y, r0_t_y);
+    r0_t_y = fma(real(-0.08899033645133331), k12.t_y, r0_t_y);
+    r0_t_y = fma(real(18.148505520854727), k13.t_y, r0_t_y);
+    r0_t_y = fma(real(-9.194632392478356), k14.t_y, r0_t_y);
+    r0_t_y = fma(real(-4.436036387594894), k15.t_y, r0_t_y);
+    Real r0_j = -real(8.428938276109013) * j0;
+    r0_j = fma(real(0.5667149535193777), j5, r0_j);
+    r0_j = fma(real(-3.0689499459498917), j6, r0_j);
+    r0_j = fma(real(2.38466765651207), j7, r0_j);
+    r0_j = fma(real(2.117034582445028), j8, r0_j);
+    r0_j = fma(real(-0.871391583777973), j9, r0_j);
+    r0_j = fma(real(2.2404374302607883), j10, r0_j);
+    r0_j = fma(real(0.6315787787694688), j11, r0_j);
+    r0_j = fma(real(-0.08899033645133331), j12, r0_j);
+    r0_j = fma(real(18.148505520854727), j13, r0_j);
+    r0_j = fma(real(-9.194632392478356), j14, r0_j);
+    r0_j = fma(real(-4.436036387594894), j15, r0_j);
+    Real r1_t_y = real(10.427508642579134) * k0.t_y;
+    r1_t_y = fma(real(242.28349177525817), k5.t_y, r1_t_y);
+    r1_t_y = fma(real(165.20045171727028), k6.t_y, r1_t_y);
+    r1_t_y = fma(real(-374.5467547226902), k7.t_y, r1_t_y);
+    r1_t_y = fma(real(-22.113666853125306), k8.t_y, r1_t_y);
+    r1_t_y = fma(real(7.733432668472264), k9.t_y, r1_t_y);
+    r1_t_y = fma(real(-30.674084731089398), k10.t_y, r1_t_y);
+    r1_t_y = fma(real(-9.332130526430229), k11.t_y, r1_t_y);
+    r1_t_y = fma(real(15.697238121770845), k12.t_y, r1_t_y);
+    r1_t_y = fma(real(-31.139403219565178), k13.t_y, r1_t_y);
+    r1_t_y = fma(real(-9.35292435884448), k14.t_y, r1_t_y);
+    r1_t_y = fma(real(35.81684148639408), k15.t_y, r1_t_y);
+    Real r1_j = real(10.427508642579134) * j0;
+    r1_j = fma(real(242.28349177525817), j5, r1_j);
+    r1_j = fma(real(165.20045171727028), j6, r1_j);
+    r1_j = fma(real(-374.5467547226902), j7, r1_j);
+    r1_j = fma(real(-22.113666853125306), j8, r1_j);
+    r1_j = fma(real(7.733432668472264), j9, r1_j);
+    r1_j = fma(real(-30.674084731089398), j10, r1_j);
+    r1_j = fma(real(-9.332130526430229), j11, r1_j);
+    r1_j = fma(real(15.697238121770845), j12, r1_j);
+    r1_j = fma(real(-31.139403219565178), j13, r1_j);
+    r1_j = fma(real(-9.35292435884448), j14, r1_j);
+    r1_j = fma(real(35.81684148639408), j15, r1_j);
+    Real r2_t_y = real(19.985053242002433) * k0.t_y;
+    r2_t_y = fma(real(-387.0373087493518), k5.t_y, r2_t_y);
+    r2_t_y = fma(real(-189.17813819516758), k6.t_y, r2_t_y);
+    r2_t_y = fma(real(527.8081592054236), k7.t_y, r2_t_y);
+    r2_t_y = fma(real(-11.57390253995963), k8.t_y, r2_t_y);
+    r2_t_y = fma(real(6.8812326946963), k9.t_y, r2_t_y);
+    r2_t_y = fma(real(-1.0006050966910838), k10.t_y, r2_t_y);
+    r2_t_y = fma(real(0.7777137798053443), k11.t_y, r2_t_y);
+    r2_t_y = fma(real(-2.778205752353508), k12.t_y, r2_t_y);
+    r2_t_y = fma(real(-60.19669523126412), k13.t_y, r2_t_y);
+    r2_t_y = fma(real(84.32040550667716), k14.t_y, r2_t_y);
+    r2_t_y = fma(real(11.99229113618279), k15.t_y, r2_t_y);
+    Real r2_j = real(19.985053242002433) * j0;
+    r2_j = fma(real(-387.0373087493518), j5, r2_j);
+    r2_j = fma(real(-189.17813819516758), j6, r2_j);
+    r2_j = fma(real(527.8081592054236), j7, r2_j);
+    r2_j = fma(real(-11.57390253995963), j8, r2_j);
+    r2_j = fma(real(6.8812326946963), j9, r2_j);
+    r2_j = fma(real(-1.0006050966910838), j10, r2_j);
+    r2_j = fma(real(0.7777137798053443), j11, r2_j);
+    r2_j = fma(real(-2.778205752353508), j12, r2_j);
+    r2_j = fma(real(-60.19669523126412), j13, r2_j);
+    r2_j = fma(real(84.32040550667716), j14, r2_j);
+    r2_j = fma(real(11.99229113618279), j15, r2_j);
+    Real r3_t_y = -real(25.69393346270375) * k0.t_y;
+    r3_t_y = fma(real(-154.18974869023643), k5.t_y, r3_t_y);
+    r3_t_y = fma(real(-231.5293791760455), k6.t_y, r3_t_y);
+    r3_t_y = fma(real(357.6391179106141), k7.t_y, r3_t_y);
+    r3_t_y = fma(real(93.40532418362432), k8.t_y, r3_t_y);
+    r3_t_y = fma(real(-37.45832313645163), k9.t_y, r3_t_y);
+    r3_t_y = fma(real(104.0996495089623), k10.t_y, r3_t_y);
+    r3_t_y = fma(real(29.8402934266605), k11.t_y, r3_t_y);
+    r3_t_y = fma(real(-43.53345659001114), k12.t_y, r3_t_y);
+    r3_t_y = fma(real(96.32455395918828), k13.t_y, r3_t_y);
+    r3_t_y = fma(real(-39.17726167561544), k14.t_y, r3_t_y);
+    r3_t_y = fma(real(-149.72683625798564), k15.t_y, r3_t_y);
+    Real r3_j = -real(25.69393346270375) * j0;
+    r3_j = fma(real(-154.18974869023643), j5, r3_j);
+    r3_j = fma(real(-231.5293791760455), j6, r3_j);
+    r3_j = fma(real(357.6391179106141), j7, r3_j);
+    r3_j = fma(real(93.40532418362432), j8, r3_j);
+    r3_j = fma(real(-37.45832313645163), j9, r3_j);
+    r3_j = fma(real(104.0996495089623), j10, r3_j);
+    r3_j = fma(real(29.8402934266605), j11, r3_j);
+    r3_j = fma(real(-43.53345659001114), j12, r3_j);
+    r3_j = fma(real(96.32455395918828), j13, r3_j);
+    r3_j = fma(real(-39.17726167561544), j14, r3_j);
+    r3_j = fma(real(-149.72683625798564), j15, r3_j);
+
+    const Interpolant t_y =
+        Interpolant{cubic(sum12_t_y, k0.t_y, k12.t_y), r0_t_y, r1_t_y, r2_t_y, r3_t_y};
+    const Real sum12_j = j_sum;
+    const Interpolant j = Interpolant{cubic(sum12_j, j0, j12), r0_j, r1_j, r2_j, r3_j};
+    const bool little = any(lt(start.e_b, real(kLittleBounce)));  // the same in all lanes
+    Real base =
+        real(0.0);  // of the work since the end of compression, or since the start of the step
+    Real base_work = at.work;
+    Real base_square = real(0.0);  // of v there
+    if (any(crosses)) {
+      __asm__ volatile("");
+      const Real per_dv = per_h * near_inverse((v12 - v0) * per_h);
+      Real t = -v0 * per_dv;
+      for (int i = 0; i < 3; ++i) {
+        const Real off = fma(real(2.0) * h, t, v0) + t_y(t);
+        t = t - off * per_dv;
+        if (off * off < real(0.1) * start.tolerance * -start.v_n)
+          break;  // the next one is below tolerance
+      }
+      // What v still is there changes the work by its square, over the rate at which v grows.
+      const Real v_base = fma(real(2.0) * h, t, v0) + t_y(t);
+      const Real t_y_end = k_end.t_y;
+      const Real slack = real(0.5) * v_base * v_base * t_y_end * near_inverse(real(2.0) + t_y_end);
+      const Real at_turn = at.work + j(t) - slack;
+      const Real target = start.e_b * start.e_b * fma(real(2.0), at_turn, start.v_n * start.v_n);
+      base = select(crosses, t, base);
+      const Real turned =
+          slack + (little ? work_since(t_y, base, real(1.0), v12, h) : (j(real(1.0)) - j(base)));
+      const Real left =
+          remaining_impulse(start, but_not(compressing, crosses), target, v12, t_y_end, turned);
+      // Now it is known better whether the end is in this step.
+      lands = either(but_not(lands, crosses), both(crosses, le(left, real(kExtend) * h)));
+      crosses = both(crosses, either(ge(v12, real(0.0)), lands));
+      at.target = select(crosses, target, at.target);
+      base_work = select(crosses, slack, base_work);
+      base_square = v_base * v_base;
+      work = select(crosses, turned, work);
+      rest = select(crosses, left, rest);
+    }
+    if (any(lands)) {
+      __asm__ volatile("");
+      Real t = fma(rest, per_h, real(1.0));
+      for (int i = 0; i < 4; ++i) {
+        const Real v = fma(real(2.0) * h, t, v0) + t_y(t);
+        const Real since = little ? work_since(t_y, base, t, v, h) : (j(t) - j(base));
+        const Real square =
+            little ? select(crosses, bounce_square(at.target, since, fma(v, v, -base_square)),
+                            fma(real(2.0), base_work + since, at.target))
+                   : fma(real(2.0), base_work + since, at.target);
+        const Real speed = sqrt(larger(square, real(0.0)));
+        const Real off = v - speed;
+        const Real nearby =
+            smaller(larger(t - real(0.5) * off * per_h, real(0.0)), real(1.0 + 2.0 * kExtend));
+        t = nearby;
+        if (off * off < real(0.1) * start.tolerance * speed) break;
+      }
+      Real r0_d_x = -real(8.428938276109013) * k0.d_x;
+      r0_d_x = fma(real(0.5667149535193777), k5.d_x, r0_d_x);
+      r0_d_x = fma(real(-3.0689499459498917), k6.d_x, r0_d_x);
+      r0_d_x = fma(real(2.38466765651207), k7.d_x, r0_d_x);
+      r0_d_x = fma(real(2.117034582445028), k8.d_x, r0_d_x);
+      r0_d_x = fma(real(-0.871391583777973), k9.d_x, r0_d_x);
+      r0_d_x = fma(real(2.2404374302607883), k10.d_x, r0_d_x);
+      r0_d_x = fma(real(0.6315787787694688), k11.d_x, r0_d_x);
+      r0_d_x = fma(real(-0.08899033645133331), k12.d_x, r0_d_x);
+      r0_d_x = fma(real(18.148505520854727), k13.d_x, r0_d_x);
+      r0_d_x = fma(real(-9.194632392478356), k14.d_x, r0_d_x);
+      r0_d_x = fma(real(-4.436036387594894), k15.d_x, r0_d_x);
+      Real r0_d_z = -real(8.428938276109013) * k0.d_z;
+      r0_d_z = fma(real(0.5667149535193777), k5.d_z, r0_d_z);
+      r0_d_z = fma(real(-3.0689499459498917), k6.d_z, r0_d_z);
+      r0_d_z = fma(real(2.38466765651207), k7.d_z, r0_d_z);
+      r0_d_z = fma(real(2.117034582445028), k8.d_z, r0_d_z);
+      r0_d_z = fma(real(-0.871391583777973), k9.d_z, r0_d_z);
+      r0_d_z = fma(real(2.2404374302607883), k10.d_z, r0_d_z);
+      r0_d_z = fma(real(0.6315787787694688), k11.d_z, r0_d_z);
+      r0_d_z = fma(real(-0.08899033645133331), k12.d_z, r0_d_z);
+      r0_d_z = fma(real(18.148505520854727), k13.d_z, r0_d_z);
+      r0_d_z = fma(real(-9.194632392478356), k14.d_z, r0_d_z);
+      r0_d_z = fma(real(-4.436036387594894), k15.d_z, r0_d_z);
+      Real r0_t_x = -real(8.428938276109013) * k0.t_x;
+      r0_t_x = fma(real(0.5667149535193777), k5.t_x, r0_t_x);
+      r0_t_x = fma(real(-3.0689499459498917), k6.t_x, r0_t_x);
+      r0_t_x = fma(real(2.38466765651207), k7.t_x, r0_t_x);
+      r0_t_x = fma(real(2.117034582445028), k8.t_x, r0_t_x);
+      r0_t_x = fma(real(-0.871391583777973), k9.t_x, r0_t_x);
+      r0_t_x = fma(real(2.2404374302607883), k10.t_x, r0_t_x);
+      r0_t_x = fma(real(0.6315787787694688), k11.t_x, r0_t_x);
+      r0_t_x = fma(real(-0.08899033645133331), k12.t_x, r0_t_x);
+      r0_t_x = fma(real(18.148505520854727), k13.t_x, r0_t_x);
+      r0_t_x = fma(real(-9.194632392478356), k14.t_x, r0_t_x);
+      r0_t_x = fma(real(-4.436036387594894), k15.t_x, r0_t_x);
+      Real r1_d_x = real(10.427508642579134) * k0.d_x;
+      r1_d_x = fma(real(242.28349177525817), k5.d_x, r1_d_x);
+      r1_d_x = fma(real(165.20045171727028), k6.d_x, r1_d_x);
+      r1_d_x = fma(real(-374.5467547226902), k7.d_x, r1_d_x);
+      r1_d_x = fma(real(-22.113666853125306), k8.d_x, r1_d_x);
+      r1_d_x = fma(real(7.733432668472264), k9.d_x, r1_d_x);
+      r1_d_x = fma(real(-30.674084731089398), k10.d_x, r1_d_x);
+      r1_d_x = fma(real(-9.332130526430229), k11.d_x, r1_d_x);
+      r1_d_x = fma(real(15.697238121770845), k12.d_x, r1_d_x);
+      r1_d_x = fma(real(-31.139403219565178), k13.d_x, r1_d_x);
+      r1_d_x = fma(real(-9.35292435884448), k14.d_x, r1_d_x);
+      r1_d_x = fma(real(35.81684148639408), k15.d_x, r1_d_x);
+      Real r1_d_z = real(10.427508642579134) * k0.d_z;
+      r1_d_z = fma(real(242.28349177525817), k5.d_z, r1_d_z);
+      r1_d_z = fma(real(165.20045171727028), k6.d_z, r1_d_z);
+      r1_d_z = fma(real(-374.5467547226902), k7.d_z, r1_d_z);
+      r1_d_z = fma(real(-22.113666853125306), k8.d_z, r1_d_z);
+      r1_d_z = fma(real(7.733432668472264), k9.d_z, r1_d_z);
+      r1_d_z = fma(real(-30.674084731089398), k10.d_z, r1_d_z);
+      r1_d_z = fma(real(-9.332130526430229), k11.d_z, r1_d_z);
+      r1_d_z = fma(real(15.697238121770845), k12.d_z, r1_d_z);
+      r1_d_z = fma(real(-31.139403219565178), k13.d_z, r1_d_z);
+      r1_d_z = fma(real(-9.35292435884448), k14.d_z, r1_d_z);
+      r1_d_z = fma(real(35.81684148639408), k15.d_z, r1_d_z);
+      Real r1_t_x = real(10.427508642579134) * k0.t_x;
+      r1_t_x = fma(real(242.28349177525817), k5.t_x, r1_t_x);
+      r1_t_x = fma(real(165.20045171727028), k6.t_x, r1_t_x);
+      r1_t_x = fma(real(-374.5467547226902), k7.t_x, r1_t_x);
+      r1_t_x = fma(real(-22.113666853125306), k8.t_x, r1_t_x);
+      r1_t_x = fma(real(7.733432668472264), k9.t_x, r1_t_x);
+      r1_t_x = fma(real(-30.674084731089398), k10.t_x, r1_t_x);
+      r1_t_x = fma(real(-9.332130526430229), k11.t_x, r1_t_x);
+      r1_t_x = fma(real(15.697238121770845), k12.t_x, r1_t_x);
+      r1_t_x = fma(real(-31.139403219565178), k13.t_x, r1_t_x);
+      r1_t_x = fma(real(-9.35292435884448), k14.t_x, r1_t_x);
+      r1_t_x = fma(real(35.81684148639408), k15.t_x, r1_t_x);
+      Real r2_d_x = real(19.985053242002433) * k0.d_x;
+      r2_d_x = fma(real(-387.0373087493518), k5.d_x, r2_d_x);
+      r2_d_x = fma(real(-189.17813819516758), k6.d_x, r2_d_x);
+      r2_d_x = fma(real(527.8081592054236), k7.d_x, r2_d_x);
+      r2_d_x = fma(real(-11.57390253995963), k8.d_x, r2_d_x);
+      r2_d_x = fma(real(6.8812326946963), k9.d_x, r2_d_x);
+      r2_d_x = fma(real(-1.0006050966910838), k10.d_x, r2_d_x);
+      r2_d_x = fma(real(0.7777137798053443), k11.d_x, r2_d_x);
+      r2_d_x = fma(real(-2.778205752353508), k12.d_x, r2_d_x);
+      r2_d_x = fma(real(-60.19669523126412), k13.d_x, r2_d_x);
+      r2_d_x = fma(real(84.32040550667716), k14.d_x, r2_d_x);
+      r2_d_x = fma(real(11.99229113618279), k15.d_x, r2_d_x);
+      Real r2_d_z = real(19.985053242002433) * k0.d_z;
+      r2_d_z = fma(real(-387.0373087493518), k5.d_z, r2_d_z);
+      r2_d_z = fma(real(-189.17813819516758), k6.d_z, r2_d_z);
+      r2_d_z = fma(real(527.8081592054236), k7.d_z, r2_d_z);
+      r2_d_z = fma(real(-11.57390253995963), k8.d_z, r2_d_z);
+      r2_d_z = fma(real(6.8812326946963), k9.d_z, r2_d_z);
+      r2_d_z = fma(real(-1.0006050966910838), k10.d_z, r2_d_z);
+      r2_d_z = fma(real(0.7777137798053443), k11.d_z, r2_d_z);
+      r2_d_z = fma(real(-2.778205752353508), k12.d_z, r2_d_z);
+      r2_d_z = fma(real(-60.19669523126412), k13.d_z, r2_d_z);
+      r2_d_z = fma(real(84.32040550667716), k14.d_z, r2_d_z);
+      r2_d_z = fma(real(11.99229113618279), k15.d_z, r2_d_z);
+      Real r2_t_x = real(19.985053242002433) * k0.t_x;
+      r2_t_x = fma(real(-387.0373087493518), k5.t_x, r2_t_x);
+      r2_t_x = fma(real(-189.17813819516758), k6.t_x, r2_t_x);
+      r2_t_x = fma(real(527.8081592054236), k7.t_x, r2_t_x);
+      r2_t_x = fma(real(-11.57390253995963), k8.t_x, r2_t_x);
+      r2_t_x = fma(real(6.8812326946963), k9.t_x, r2_t_x);
+      r2_t_x = fma(real(-1.0006050966910838), k10.t_x, r2_t_x);
+      r2_t_x = fma(real(0.7777137798053443), k11.t_x, r2_t_x);
+      r2_t_x = fma(real(-2.778205752353508), k12.t_x, r2_t_x);
+      r2_t_x = fma(real(-60.19669523126412), k13.t_x, r2_t_x);
+      r2_t_x = fma(real(84.32040550667716), k14.t_x, r2_t_x);
+      r2_t_x = fma(real(11.99229113618279), k15.t_x, r2_t_x);
+      Real r3_d_x = -real(25.69393346270375) * k0.d_x;
+      r3_d_x = fma(real(-154.18974869023643), k5.d_x, r3_d_x);
+      r3_d_x = fma(real(-231.5293791760455), k6.d_x, r3_d_x);
+      r3_d_x = fma(real(357.6391179106141), k7.d_x, r3_d_x);
+      r3_d_x = fma(real(93.40532418362432), k8.d_x, r3_d_x);
+      r3_d_x = fma(real(-37.45832313645163), k9.d_x, r3_d_x);
+      r3_d_x = fma(real(104.0996495089623), k10.d_x, r3_d_x);
+      r3_d_x = fma(real(29.8402934266605), k11.d_x, r3_d_x);
+      r3_d_x = fma(real(-43.53345659001114), k12.d_x, r3_d_x);
+      r3_d_x = fma(real(96.32455395918828), k13.d_x, r3_d_x);
+      r3_d_x = fma(real(-39.17726167561544), k14.d_x, r3_d_x);
+      r3_d_x = fma(real(-149.72683625798564), k15.d_x, r3_d_x);
+      Real r3_d_z = -real(25.69393346270375) * k0.d_z;
+      r3_d_z = fma(real(-154.18974869023643), k5.d_z, r3_d_z);
+      r3_d_z = fma(real(-231.5293791760455), k6.d_z, r3_d_z);
+      r3_d_z = fma(real(357.6391179106141), k7.d_z, r3_d_z);
+      r3_d_z = fma(real(93.40532418362432), k8.d_z, r3_d_z);
+      r3_d_z = fma(real(-37.45832313645163), k9.d_z, r3_d_z);
+      r3_d_z = fma(real(104.0996495089623), k10.d_z, r3_d_z);
+      r3_d_z = fma(real(29.8402934266605), k11.d_z, r3_d_z);
+      r3_d_z = fma(real(-43.53345659001114), k12.d_z, r3_d_z);
+      r3_d_z = fma(real(96.32455395918828), k13.d_z, r3_d_z);
+      r3_d_z = fma(real(-39.17726167561544), k14.d_z, r3_d_z);
+      r3_d_z = fma(real(-149.72683625798564), k15.d_z, r3_d_z);
+      Real r3_t_x = -real(25.69393346270375) * k0.t_x;
+      r3_t_x = fma(real(-154.18974869023643), k5.t_x, r3_t_x);
+      r3_t_x = fma(real(-231.5293791760455), k6.t_x, r3_t_x);
+      r3_t_x = fma(real(357.6391179106141), k7.t_x, r3_t_x);
+      r3_t_x = fma(real(93.40532418362432), k8.t_x, r3_t_x);
+      r3_t_x = fma(real(-37.45832313645163), k9.t_x, r3_t_x);
+      r3_t_x = fma(real(104.0996495089623), k10.t_x, r3_t_x);
+      r3_t_x = fma(real(29.8402934266605), k11.t_x, r3_t_x);
+      r3_t_x = fma(real(-43.53345659001114), k12.t_x, r3_t_x);
+      r3_t_x = fma(real(96.32455395918828), k13.t_x, r3_t_x);
+      r3_t_x = fma(real(-39.17726167561544), k14.t_x, r3_t_x);
+      r3_t_x = fma(real(-149.72683625798564), k15.t_x, r3_t_x);
+
+      const Real dq = h * t;
+      const Real part_d_x =
+          Interpolant{cubic(sum12_d_x, k0.d_x, k12.d_x), r0_d_x, r1_d_x, r2_d_x, r3_d_x}(t);
+      const Real part_d_z =
+          Interpolant{cubic(sum12_d_z, k0.d_z, k12.d_z), r0_d_z, r1_d_z, r2_d_z, r3_d_z}(t);
+      const Real part_t_x =
+          Interpolant{cubic(sum12_t_x, k0.t_x, k12.t_x), r0_t_x, r1_t_x, r2_t_x, r3_t_x}(t);
+      const Real part_t_y = t_y(t);
+      const Real part_c_x = real(7.0) * part_d_x - part_t_x;
+      const Real part_c_z = fma(real(2.5), part_t_y, real(5.0) * part_d_z);
+      const Real part_s_x = fma(real(-1.5), part_t_x, -part_d_x);
+      const Real part_s_y = fma(real(-1.5), part_t_y, fma(real(-2.5), part_d_z, dq));
+
+      end_c_x = select(lands, at.c_x + part_c_x, end_c_x);
+      end_c_z = select(lands, at.c_z + part_c_z, end_c_z);
+      end_s_x = select(lands, at.s_x + part_s_x, end_s_x);
+      end_s_y = select(lands, at.s_y + part_s_y, end_s_y);
+      move_d_x = select(lands, part_d_x, move_d_x);
+      move_d_z = select(lands, part_d_z, move_d_z);
+      move_t_x = select(lands, part_t_x, move_t_x);
+      move_t_y = select(lands, part_t_y, move_t_y);
+      dq_end = select(lands, dq, dq_end);
+    }
+  }
+  if (wanted(plan.counts)) {
+    const Real n_1 = fma(end_s_x, end_s_x, fma(end_s_y, end_s_y, real(kTinySquare)));
+    const Real l_1 = n_1 * rough_rsqrt(n_1);
+    const Real on_way = real(1.5) * plan.phi * dq_end;
+    const Real d_x = end_s_x - at.s_x;
+    const Real d_y = end_s_y - at.s_y;
+    const Real both_ends = plan.l_s + l_1;
+    const Real n_d = fma(d_x, d_x, fma(d_y, d_y, real(kTinySquare)));
+    const Real per_d = rough_rsqrt(n_d);
+    const Real beyond = both_ends + n_d * per_d;
+    // l^2 - d^2 = 2 (|s_0| |s_1| + s_0 s_1); slip that counts as none is not passed.
+    const Real apart = larger(
+        real(2.0) * fma(real(0.99) * plan.l_s, l_1,
+                        select(plan.at_rest, real(0.0), fma(at.s_x, end_s_x, at.s_y * end_s_y))),
+        real(1e-12) * beyond * beyond);
+    const Real per_apart = rough_inverse(apart);
+    const Real grows =
+        on_way * smaller(real(2.0) * both_ends * per_apart,
+                         per_d * fma(real(44.3614195558365), power(beyond * beyond * per_apart, 1),
+                                     real(-44.3)));
+    // Slip that counted as none is an error of its own size, not of a tolerance.
+    const Real more = select(
+        plan.at_rest,
+        larger(grows -
+                   fma(real(44.3614195558365),
+                       power(start.tolerance * rough_inverse(fma(smaller(grows, real(1.0)),
+                                                                 real(2.5) * (absolute(at.s_x) +
+                                                                              absolute(at.s_y)),
+                                                                 real(kTinySquare))),
+                             1),
+                       real(-44.3614195558365)) +
+                   real(kMostGrown),
+               real(0.0)),
+        grows);
+    at.grown = select(keeps, at.grown + more, at.grown);
+  }
+  at.rest = select(keeps, rest, at.rest);
+  at.work = select(keeps, work, at.work);
+  at.v = select(keeps, v12, at.v);
+  at.q = select(keeps, at.q + dq_end, at.q);
+  at.gain_d_x = select(keeps, at.gain_d_x + move_d_x, at.gain_d_x);
+  at.gain_d_z = select(keeps, at.gain_d_z + move_d_z, at.gain_d_z);
+  at.gain_t_x = select(keeps, at.gain_t_x + move_t_x, at.gain_t_x);
+  at.gain_t_y = select(keeps, at.gain_t_y + move_t_y, at.gain_t_y);
   at.c_x = select(keeps, end_c_x, at.c_x);
   at.c_z = select(keeps, end_c_z, at.c_z);
   at.s_x = select(keeps, end_s_x, at.s_x);
@@ -1218,6 +3318,112 @@ inline bool advance(const Start& start, State& at) {
   if (!plan.goes_on) return true;
   if (plan.sticks) return finish_sticking(start, at, plan, true);
   return make_step(start, at, plan, true);
+}
+
+// All steps of a collision, from the slips before. Not done if it would take more than kMostSteps.
+CAROM_NOINLINE bool run(const Start& start, const Slips& slips, State& at) {
+  at = begin(start, slips);
+  for (int i = 0; i < kMostSteps; ++i) {
+    const bool done = advance(start, at);
+    if (done) return true;
+  }
+  return false;
+}
+
+// exp(-x) or a little less, without exp: (1 - x/2^n)^(2^n), for x below 2^n.
+inline double shrink(double x) {
+  double share = 1.0 - x * (1.0 / (1 << kSquarings));
+  for (int i = 0; i < kSquarings; ++i) share = share * share;
+  return share;
+}
+
+// All steps as before, but as exact as what the table makes of their errors asks for: at first `grown`, as a logarithm.
+inline bool run_again(Start& start, const Slips& slips, double grown, State& at) {
+  const Real usual = start.tolerance;
+  grown = grown + kMoreGrown;
+  for (int i = 0; i < kMostTurns; ++i) {
+    const Real share = real(shrink(std::fmin(grown, kMostEver) - kMostGrown));
+    start.tolerance = usual * smaller(share, real(kMostAim));
+    if (!run(start, slips, at)) return false;
+    if (at.grown <= grown) return true;
+    grown = at.grown + kMoreGrown;
+  }
+  return true;
+}
+
+// One collision that presses ball 1 (`first`) or ball 2, from the slips before to the velocities after. Not
+// done, and nothing changed, if it would take more than kMostSteps steps.
+inline bool step_pressed(const Parameters& p, Contact& b, bool first, double c_x, double c_z,
+                         double s_x, double s_y, double v_n, double grown) {
+  const double sign = first ? -1.0 : 1.0;
+  // Speeds are scaled by a power of two: no square leaves the range of numbers, and a collision twice
+  // as fast is computed alike, to the last bit.
+  const double fast = std::fmax(std::fmax(std::fabs(c_x), std::fabs(c_z)), std::fabs(v_n));
+  const double scale = power_of_two(std::fmax(fast, kSlowest));
+  const double per_scale = inverse_of_power(scale);
+  const double along_x = per_scale * (b.v2x - b.v1x);
+  const double along_y = per_scale * (b.v2y - b.v1y);
+  const double along_z = per_scale * (b.v2z - b.v1z);
+  const double relative =
+      std::sqrt(along_x * along_x + along_y * along_y + along_z * along_z + kTinySquare);
+  Start start{};
+  const Slips slips = {real(c_x * per_scale), real(sign * c_z * per_scale),
+                       real(limited(sign * s_x, kMostSlip * scale) * per_scale),
+                       real(limited(sign * s_y, kMostSlip * scale) * per_scale)};
+  start.v_n = real(v_n * per_scale);
+  start.u_b = real(p.u_b);
+  start.u_s = real(first ? p.u_s1 : p.u_s2);
+  start.e_b = real(p.e_b);
+  start.tolerance = real(kTolerance * relative);
+  start.per_u_b = real(1.0) / start.u_b;
+
+  State at{};
+  if (!run_again(start, slips, grown, at)) return false;
+
+  const Real d_x = at.gain_d_x;
+  const Real d_z = at.gain_d_z;
+  const Real t_x = at.gain_t_x;
+  const Real t_y = at.gain_t_y;
+  const double sum_q = at.q * scale;
+  const double sum_dx = d_x * scale;
+  const double sum_dz = sign * d_z * scale;
+  const double pressed_x = sign * t_x * scale;
+  const double pressed_y = sign * t_y * scale;
+  const double sum_t1x = first ? pressed_x : 0.0;
+  const double sum_t1y = first ? pressed_y : 0.0;
+  const double sum_t2x = first ? 0.0 : pressed_x;
+  const double sum_t2y = first ? 0.0 : pressed_y;
+  b.v1x = b.v1x + sum_dx + sum_t1x;
+  b.v1y = b.v1y + sum_t1y - sum_q;
+  b.o1x = std::fma(2.5, sum_t1y, std::fma(2.5, sum_dz, b.o1x));
+  b.o1y = std::fma(-2.5, sum_t1x, b.o1y);
+  b.o1z = std::fma(-2.5, sum_dx, b.o1z);
+  b.v2x = b.v2x + sum_t2x - sum_dx;
+  b.v2y = b.v2y + sum_q + sum_t2y;
+  b.o2x = std::fma(2.5, sum_t2y, std::fma(2.5, sum_dz, b.o2x));
+  b.o2y = std::fma(-2.5, sum_t2x, b.o2y);
+  b.o2z = std::fma(-2.5, sum_dx, b.o2z);
+  return true;
+}
+
+}  // namespace careful
+
+// One iteration: a step into sticking, or a step. Is the collision over?
+inline bool advance(const Start& start, State& at) {
+  const Plan plan = plan_step(start, at);
+  if (!plan.goes_on) return true;
+  if (plan.sticks) return finish_sticking(start, at, plan, true);
+  return make_step(start, at, plan, true);
+}
+
+// All steps of a collision, from the slips before. Not done if it would take more than kMostSteps.
+inline bool run(const Start& start, const Slips& slips, State& at) {
+  at = begin(start, slips);
+  for (int i = 0; i < kMostSteps; ++i) {
+    const bool done = advance(start, at);
+    if (done) return true;
+  }
+  return false;
 }
 
 // One collision that presses ball 1 (`first`) or ball 2, from the slips before to the velocities after. Not
@@ -1246,14 +3452,9 @@ inline bool step_pressed(const Parameters& p, Contact& b, bool first, double c_x
   start.tolerance = real(kTolerance * relative);
   start.per_u_b = real(1.0) / start.u_b;
 
-  State at = begin(start, slips);
-  bool done = false;
-  for (int i = 0; i < kMostSteps && !done; ++i) {
-    CAROM_REGION_BEGIN("loop");
-    done = advance(start, at);
-    CAROM_REGION_END("loop");
-  }
-  if (!done) return false;
+  State at{};
+  if (!run(start, slips, at) || at.grown > real(kMostGrown))
+    return careful::step_pressed(p, b, first, c_x, c_z, s_x, s_y, v_n, at.grown);
 
   const Real delta_c_x = at.c_x - slips.c_x;
   const Real delta_c_z = at.c_z - slips.c_z;
@@ -1357,6 +3558,10 @@ inline void leave(const Parameters& p, const Contact& b, double* out1, double* o
   out2[7] = (b.o2y * b.f_y - b.o2x * b.f_x) * per_radius;
   out2[8] = (b.o2z + b.o2y * b.f_z) * per_radius;
 }
+
+// What lanes leave to one lane.
+int collide_one(const Parameters& p, const double* ball1, const double* ball2, double* out1,
+                double* out2);
 
 // ---- Batches: 4 lanes -----------------------------------------------------------------------
 // Collisions are taken up in order, a vector at a time, and fly in waves: each wave is a step of all that
@@ -1563,7 +3768,6 @@ struct Entered {
 // `count` numbers, the other lanes 0.
 CAROM_INLINE Real load_some(const double* from, int count) {
   if (count == kLanes) return load(from);
-  CAROM_RARE();
   double some[kLanes] = {};
   std::memcpy(some, from, static_cast<size_t>(count) * sizeof(double));
   return load(some);
@@ -1574,7 +3778,6 @@ CAROM_INLINE void store_some(double* to, Real x, int count) {
     store(to, x);
     return;
   }
-  CAROM_RARE();
   double some[kLanes];
   store(some, x);
   std::memcpy(to, some, static_cast<size_t>(count) * sizeof(double));
@@ -1779,6 +3982,37 @@ CAROM_INLINE void take(const Batch& batch, size_t first, int count, Taken& taken
   store(taken.goes + at, where(but_not(both(e.good, first_lanes(count)), o.level), real(1.0)));
 }
 
+// Collisions that lanes leave to one lane: made again from what came in, and written. How many were good.
+CAROM_NOINLINE size_t make_apart(const Batch& batch, size_t first, unsigned apart,
+                                 const Balls& balls, Real u_b) {
+  double in[18][kLanes], friction[kLanes];
+  for (int j = 0; j < 9; ++j) {
+    store(in[j], balls.one[j]);
+    store(in[j + 9], balls.two[j]);
+  }
+  store(friction, u_b);
+  size_t good = 0;
+  for (int i = 0; i < kLanes; ++i) {
+    if ((apart >> i & 1u) == 0) continue;
+    Parameters p = batch.p;
+    p.u_b = friction[i];
+    double ball1[9], ball2[9];
+    for (int j = 0; j < 9; ++j) {
+      ball1[j] = in[j][i];
+      ball2[j] = in[j + 9][i];
+    }
+    const int status = collide_one(p, ball1, ball2, ball1, ball2);
+    const size_t at = first + static_cast<size_t>(i);
+    for (int j = 0; j < 6; ++j) {
+      batch.out[j][at] = ball1[j + 3];
+      batch.out[j + 6][at] = ball2[j + 3];
+    }
+    if (batch.status != nullptr) batch.status[at] = static_cast<unsigned char>(status);
+    good += status == CAROM_OK;
+  }
+  return good;
+}
+
 // Writes `count` collisions from `first` on, from the results at `slot` on; how many were good.
 CAROM_INLINE size_t put_down(const Batch& batch, size_t first, int count, const Results& results,
                              int slot, const Before& before) {
@@ -1828,9 +4062,11 @@ CAROM_INLINE size_t put_down(const Batch& batch, size_t first, int count, const 
   b.o2x = fma(real(2.5), sum_t2y, fma(real(2.5), sum_dz, b.o2x));
   b.o2y = fma(-real(2.5), sum_t2x, b.o2y);
   b.o2z = fma(-real(2.5), sum_dx, b.o2z);
-  const Mask lost = but_not(lt(q, none), o.level);
-  const Real status = select(lost, real(CAROM_BAD_INPUT), load(before.status + slot));
-  return leave(batch, first, count, balls, b, status);
+  const Mask apart = but_not(lt(q, none), o.level);
+  const Real status = select(apart, real(CAROM_BAD_INPUT), load(before.status + slot));
+  const size_t good = leave(batch, first, count, balls, b, status);
+  if (!any(apart)) return good;
+  return good + make_apart(batch, first, mask_bits(apart), balls, u_b);
 }
 
 }  // namespace frame
@@ -1844,22 +4080,22 @@ using frame::Batch;
 // v_n = 0 and restitution at v_n^2 = e_b^2 (v_n0^2 + 2 J_c) + 2 (J - J_c). A step may pass the first and
 // stops at the second, both found on the step's own interpolant: nothing overshoots.
 
-constexpr double kTolerance = 2.5e-07;  // of a step, relative to |v1 - v2|
+constexpr double kTolerance = 2.1e-07;  // of a step, relative to |v1 - v2|
 constexpr double kTurn = 2.3;           // scale of steps by the turning of the contact slip
 constexpr double kTable = 7.0;          // scale of steps by the distance of s from zero
-constexpr double kPassage = 0.05;       // error of a passage of s by zero, in tolerances
-constexpr double kDepart = 10.0;        // error of the first step from rest, in tolerances
+constexpr double kPassage = 0.0167;     // error of a passage of s by zero, in tolerances
+constexpr double kDepart = 1.0;         // error of the first step from rest, in tolerances
 constexpr double kTableError = 3.0;     // weight of the errors of table friction
 constexpr double kTail = 8.0;           // weight of the error of the step into sticking
-constexpr double kCounts = 0.0605;      // friction on the table that is of account, in tolerances
-constexpr double kGone = 0.04;          // contact slip that counts as gone, in tolerances
+constexpr double kCounts = 0.072;       // friction on the table that is of account, in tolerances
+constexpr double kGone = 0.0476;        // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     2.19;  // of what is left of table friction, that step may miss where s passes zero
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
 constexpr double kRest = 6e-05;      // table slip that counts as zero, in tolerances / friction
-constexpr double kStrong = 0.2;      // share of steps where the table drives its slip on strongly
+constexpr double kMostGrown = 1.5;   // logarithm of what the table may make of an error
 constexpr double kTinySlip = 1e-15;  // table slip with a direction, but of no account
 constexpr double kExtend = 0.05;  // of a step: how far its interpolant may be used beyond its end
 constexpr double kInside = 0.05;  // and before it, for the end of the collision
@@ -1894,6 +4130,8 @@ struct State {
   Real h_cap;     // no longer step now: by the error of the last one
   Real tail_cap;  // no step into sticking from a larger contact slip
   Real driven;    // 1 if the rates are those of zero table slip
+  Real
+      grown;  // logarithm, at most, of what the table has made of an error: it drives s away from zero
 };
 
 // Impulses for `pace` units of q.
@@ -2034,7 +4272,9 @@ struct Plan {
   Real l_c;         // contact slip
   Real rest_error;  // of a step into sticking: by the distance of s from zero
   Mask at_rest;     // is table slip as good as zero?
-  Mask runs;        // or does the table drive it away from zero, whichever way it points?
+  Real l_s, phi;    // table slip; table friction per unit of q
+  Mask counts;      // does it matter to the step which way that points?
+  Mask runs;        // does the table drive the slip away from zero, whichever way it points?
   Mask sticks;      // is it the step into sticking?
   Mask goes_on;     // or is the collision over?
 };
@@ -2203,7 +4443,7 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Mask late = both(gt(plan.l_c, real(kGone) * start.tolerance), gt(v_stuck, limit));
   const Mask sticks = but_not(both(tries, le(error, real(kSafe) * start.tolerance)), late);
   if (!all(sticks)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     const Real ratio = real(kSafe) * start.tolerance / (error + real(kTinySquare));
     const Real cap = plan.l_c * larger(real(0.1), smaller(real(0.5), power(ratio, kOrder)));
     at.tail_cap = select(tries, cap, at.tail_cap);
@@ -2211,6 +4451,41 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Real dq = real(0.5) * (v_last - at.v - t_tail_y);
   const Real move_s_x = fma(real(-1.5), t_tail_x, -d_tail_x);
   const Real move_s_y = fma(real(-1.5), t_tail_y, fma(real(-2.5), d_tail_z, dq));
+  {
+    const Real l_1 = n_1 * per_1;
+    const Real on_way = real(1.5) * left;
+    const Real d_x = s_x - s_x0;
+    const Real d_y = s_y - s_y0;
+    const Real both_ends = n_0 * per_0 + l_1;
+    const Real n_d = fma(d_x, d_x, fma(d_y, d_y, real(kTinySquare)));
+    const Real per_d = rough_rsqrt(n_d);
+    const Real beyond = both_ends + n_d * per_d;
+    // l^2 - d^2 = 2 (|s_0| |s_1| + s_0 s_1); slip that counts as none is not passed.
+    const Real apart =
+        larger(real(2.0) * fma(real(0.99) * (n_0 * per_0), l_1,
+                               select(plan.at_rest, real(0.0), fma(s_x0, s_x, s_y0 * s_y))),
+               real(1e-12) * beyond * beyond);
+    const Real per_apart = rough_inverse(apart);
+    const Real grows =
+        on_way * smaller(real(2.0) * both_ends * per_apart,
+                         per_d * fma(real(44.3614195558365), power(beyond * beyond * per_apart, 1),
+                                     real(-44.3)));
+    // Slip that counted as none is an error of its own size, not of a tolerance.
+    const Real more = select(
+        plan.at_rest,
+        larger(grows -
+                   fma(real(44.3614195558365),
+                       power(start.tolerance * rough_inverse(fma(smaller(grows, real(1.0)),
+                                                                 real(2.5) * (absolute(at.s_x) +
+                                                                              absolute(at.s_y)),
+                                                                 real(kTinySquare))),
+                             1),
+                       real(-44.3614195558365)) +
+                   real(kMostGrown),
+               real(0.0)),
+        grows);
+    at.grown = select(sticks, at.grown + more, at.grown);
+  }
   at.q = select(sticks, at.q + dq, at.q);
   at.c_x = select(sticks, real(0.0), at.c_x);
   at.c_z = select(sticks, real(0.0), at.c_z);
@@ -2231,33 +4506,17 @@ CAROM_INLINE bool wanted(Mask m) {
   return true;
 }
 
-// What an error near zero table slip grows by until the end of the collision: the table drives the slip
-// on by `push`, all else by `drift`, from `size` to about `large`.
-CAROM_INLINE Real growth(Real push, Real drift, Real size, Real large) {
-  const Real ratio = larger(real(1.0), large * rough_inverse(size + real(kTinySquare)));
-  const Real less = select(gt(push, real(0.05) * drift), power(ratio, 16), power(ratio, 8));
-  const Real more = select(gt(push, real(0.3) * drift), ratio, power(ratio, 32));
-  return select(gt(push, real(0.12) * drift), more, less);
-}
-
 // Lengths by the passage of the table slip s by zero, with the rates b = s' at distance l_s.
-CAROM_INLINE void pass_zero(const Start& start, Real rest, Real turn, Real per_c, Real phi,
-                            Real l_b, Real per_b, Real along, Real miss, Real reach, Mask counts,
+CAROM_INLINE void pass_zero(const Start& start, Real turn, Real per_c, Real phi, Real l_s, Real l_b,
+                            Real per_b, Real along, Real miss, Real reach, Mask counts,
                             Plan& plan) {
   const Real omega = real(21.0) * start.u_b * start.u_b * turn * per_c;
-  const Real push = real(1.5) * phi;
-  const Mask strong = both(counts, gt(push, real(0.35) * l_b));
-  if (wanted(strong)) {
-    plan.h = select(strong, smaller(plan.h, real(kStrong) * plan.step_c), plan.h);
-  }
   const Mask departs = but_not(both(counts, either(plan.at_rest, ge(along, real(0.0)))), plan.runs);
   if (wanted(departs)) {
     const Real leaving = larger(real(0.01) * phi, fma(real(-1.5), phi, l_b));
     const Real drift = select(plan.at_rest, l_b, leaving);
     const Real spin = (phi + real(kTinySquare)) * omega;
-    const Real grows = growth(push, drift, l_b * reach + real(kTolerance), l_b * rest);
-    const Real first =
-        real(kDepart) * start.tolerance * (drift + phi) * drift * drift * rough_inverse(grows);
+    const Real first = real(kDepart) * start.tolerance * (drift + phi) * drift * drift;
     const Real least =
         larger(reach, power(first * rough_inverse(fma(spin, spin, real(kTinySquare))), 21));
     plan.h = shorter(plan.h, select(departs, least, plan.h));
@@ -2271,14 +4530,15 @@ CAROM_INLINE void pass_zero(const Start& start, Real rest, Real turn, Real per_c
     const Real curved = larger(miss, real(0.05) * omega * per_b * closest * closest);
     // Its direction decides, and turns until the slip has grown: met by its length.
     const Real size = select(either(within, plan.runs), reach, select(approaches, curved, miss));
-    const Real swell = size * growth(push, l_b, size, rest);
     const Real room =
-        real(kPassage) * start.tolerance * rough_inverse(fma(phi, swell, real(kTinySquare)));
+        real(kPassage) * start.tolerance * rough_inverse(fma(phi, size, real(kTinySquare)));
     const Real most = select(plan.runs, real(0.5), real(20.0));
-    const Real table = select(strong, real(kStrong * kTable), real(kTable));
+    const Real table = real(kTable);
     const Real share = smaller(table * power(room, kOrder), select(within, real(1.0), most));
     Real length = way * share;
     length = select(approaches, length * rough_inverse(real(1.0) + share), length);
+    length =
+        smaller(length, real(0.5) * l_s * rough_inverse(fma(real(1.5), phi, real(kTinySquare))));
     plan.h = shorter(plan.h, select(moves, length, plan.h));
   }
 }
@@ -2294,6 +4554,8 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   const Real l_s = n_s * per_s;
   const Real phi = -start.u_s * start.u_b * per_c * at.c_z;
   plan.l_c = l_c;
+  plan.l_s = l_s;
+  plan.phi = phi;
 
   // Where the table slip goes: b is its rate of change.
   plan.at_rest = le(phi * l_s, real(kRest) * start.tolerance);
@@ -2310,7 +4572,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   plan.at_rest = but_not(plan.at_rest, plan.runs);
   const Mask stops = both(plan.at_rest, eq(at.driven, real(0.0)));
   if (any(stops)) {
-    CAROM_RARE();
     at.k = select_rates(stops, rates_at_rest(start, at), at.k);
   }
   at.driven = select(plan.at_rest, real(1.0), real(0.0));
@@ -2357,8 +4618,9 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
                   power(real(kSafe * 7.0) * start.tolerance * per_c * rough_inverse(turn), kOrder));
   plan.h = shorter(at.rest, plan.step_c);
   const Mask counts = gt(phi * plan.h, real(kCounts) * start.tolerance);
+  plan.counts = counts;
   if (wanted(counts)) {
-    pass_zero(start, at.rest, turn, per_c, phi, l_b, per_b, along, miss, reach, counts, plan);
+    pass_zero(start, turn, per_c, phi, l_s, l_b, per_b, along, miss, reach, counts, plan);
   }
   plan.h = shorter(plan.h, at.h_cap);
   const Mask halves = both(lt(plan.h, at.rest), gt(real(2.0) * plan.h, at.rest));
@@ -2570,7 +4832,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
   Real end_s_y = y6.s_y;
   Real dq_end = h;
   if (any(either(lands, crosses))) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     Real r0_t_y = -real(1.1270175653862835) * k0.t_y;
     r0_t_y = fma(real(2.675424484351598), k2.t_y, r0_t_y);
     r0_t_y = fma(real(-5.685526961588504), k3.t_y, r0_t_y);
@@ -2592,7 +4854,7 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
     Real base_work = at.work;
     Real base_square = real(0.0);  // of v there
     if (any(crosses)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       // The others trap nothing.
       const Real per_dv =
           where(crosses, per_h * near_inverse(select(crosses, (v6 - v0) * per_h, real(1.0))));
@@ -2621,12 +4883,11 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       rest = select(crosses, left, rest);
     }
     if (any(lands)) {
-      CAROM_BRANCH();
+      __asm__ volatile("");
       Real t = fma(rest, per_h, real(1.0));
       // Where friction changes v_n by as much as is left of it, the end is more than a guess away.
       const Mask slow = both(lands, lt(v6, real(20.0) * absolute(rest)));
       if (any(slow)) {
-        CAROM_RARE();
         for (int i = 0; i < 2; ++i) {
           const Real v = fma(real(2.0) * h, t, v0) + t_y(t);
           const Real since = work_since(t_y, base, t, v, h);
@@ -2656,6 +4917,42 @@ CAROM_INLINE Mask make_step(const Start& start, State& at, const Plan& plan, Mas
       end_s_y = select(lands, at.s_y + part_s_y, end_s_y);
       dq_end = select(lands, dq, dq_end);
     }
+  }
+  if (wanted(plan.counts)) {
+    const Real n_1 = fma(end_s_x, end_s_x, fma(end_s_y, end_s_y, real(kTinySquare)));
+    const Real l_1 = n_1 * rough_rsqrt(n_1);
+    const Real on_way = real(1.5) * plan.phi * dq_end;
+    const Real d_x = end_s_x - at.s_x;
+    const Real d_y = end_s_y - at.s_y;
+    const Real both_ends = plan.l_s + l_1;
+    const Real n_d = fma(d_x, d_x, fma(d_y, d_y, real(kTinySquare)));
+    const Real per_d = rough_rsqrt(n_d);
+    const Real beyond = both_ends + n_d * per_d;
+    // l^2 - d^2 = 2 (|s_0| |s_1| + s_0 s_1); slip that counts as none is not passed.
+    const Real apart = larger(
+        real(2.0) * fma(real(0.99) * plan.l_s, l_1,
+                        select(plan.at_rest, real(0.0), fma(at.s_x, end_s_x, at.s_y * end_s_y))),
+        real(1e-12) * beyond * beyond);
+    const Real per_apart = rough_inverse(apart);
+    const Real grows =
+        on_way * smaller(real(2.0) * both_ends * per_apart,
+                         per_d * fma(real(44.3614195558365), power(beyond * beyond * per_apart, 1),
+                                     real(-44.3)));
+    // Slip that counted as none is an error of its own size, not of a tolerance.
+    const Real more = select(
+        plan.at_rest,
+        larger(grows -
+                   fma(real(44.3614195558365),
+                       power(start.tolerance * rough_inverse(fma(smaller(grows, real(1.0)),
+                                                                 real(2.5) * (absolute(at.s_x) +
+                                                                              absolute(at.s_y)),
+                                                                 real(kTinySquare))),
+                             1),
+                       real(-44.3614195558365)) +
+                   real(kMostGrown),
+               real(0.0)),
+        grows);
+    at.grown = select(keeps, at.grown + more, at.grown);
   }
   at.rest = select(keeps, rest, at.rest);
   at.work = select(keeps, work, at.work);
@@ -2696,8 +4993,8 @@ struct Queue {
   Number row[rows][most + kLanes];
   int count;
 };
-typedef Queue<23, (kWave + 1) * kLanes> Flights;
-typedef Queue<26, 2 * kLanes> Asides;
+typedef Queue<24, (kWave + 1) * kLanes> Flights;
+typedef Queue<27, 2 * kLanes> Asides;
 
 // The lanes of `m` join.
 CAROM_INLINE void push(Flights& queue, const Flight& waiting, Mask m) {
@@ -2719,12 +5016,13 @@ CAROM_INLINE void push(Flights& queue, const Flight& waiting, Mask m) {
   append(&queue.row[14][at], waiting.at.h_cap, m);
   append(&queue.row[15][at], waiting.at.tail_cap, m);
   append(&queue.row[16][at], waiting.at.driven, m);
-  append(&queue.row[17][at], waiting.at.k.d_x, m);
-  append(&queue.row[18][at], waiting.at.k.d_z, m);
-  append(&queue.row[19][at], waiting.at.k.t_x, m);
-  append(&queue.row[20][at], waiting.at.k.t_y, m);
-  append(&queue.row[21][at], waiting.slot, m);
-  append(&queue.row[22][at], waiting.turns, m);
+  append(&queue.row[17][at], waiting.at.grown, m);
+  append(&queue.row[18][at], waiting.at.k.d_x, m);
+  append(&queue.row[19][at], waiting.at.k.d_z, m);
+  append(&queue.row[20][at], waiting.at.k.t_x, m);
+  append(&queue.row[21][at], waiting.at.k.t_y, m);
+  append(&queue.row[22][at], waiting.slot, m);
+  append(&queue.row[23][at], waiting.turns, m);
   queue.count = at + count(m);
 }
 
@@ -2754,12 +5052,13 @@ CAROM_INLINE void read(const Flights& queue, int at, Flight& waiting) {
   waiting.at.h_cap = load(&queue.row[14][at]);
   waiting.at.tail_cap = load(&queue.row[15][at]);
   waiting.at.driven = load(&queue.row[16][at]);
-  waiting.at.k.d_x = load(&queue.row[17][at]);
-  waiting.at.k.d_z = load(&queue.row[18][at]);
-  waiting.at.k.t_x = load(&queue.row[19][at]);
-  waiting.at.k.t_y = load(&queue.row[20][at]);
-  waiting.slot = load(&queue.row[21][at]);
-  waiting.turns = load(&queue.row[22][at]);
+  waiting.at.grown = load(&queue.row[17][at]);
+  waiting.at.k.d_x = load(&queue.row[18][at]);
+  waiting.at.k.d_z = load(&queue.row[19][at]);
+  waiting.at.k.t_x = load(&queue.row[20][at]);
+  waiting.at.k.t_y = load(&queue.row[21][at]);
+  waiting.slot = load(&queue.row[22][at]);
+  waiting.turns = load(&queue.row[23][at]);
 }
 
 // The lanes of `m` join.
@@ -2782,15 +5081,16 @@ CAROM_INLINE void push(Asides& queue, const Aside& waiting, Mask m) {
   append(&queue.row[14][at], waiting.flight.at.h_cap, m);
   append(&queue.row[15][at], waiting.flight.at.tail_cap, m);
   append(&queue.row[16][at], waiting.flight.at.driven, m);
-  append(&queue.row[17][at], waiting.flight.at.k.d_x, m);
-  append(&queue.row[18][at], waiting.flight.at.k.d_z, m);
-  append(&queue.row[19][at], waiting.flight.at.k.t_x, m);
-  append(&queue.row[20][at], waiting.flight.at.k.t_y, m);
-  append(&queue.row[21][at], waiting.flight.slot, m);
-  append(&queue.row[22][at], waiting.flight.turns, m);
-  append(&queue.row[23][at], waiting.l_c, m);
-  append(&queue.row[24][at], waiting.rest_error, m);
-  append(&queue.row[25][at], waiting.at_rest, m);
+  append(&queue.row[17][at], waiting.flight.at.grown, m);
+  append(&queue.row[18][at], waiting.flight.at.k.d_x, m);
+  append(&queue.row[19][at], waiting.flight.at.k.d_z, m);
+  append(&queue.row[20][at], waiting.flight.at.k.t_x, m);
+  append(&queue.row[21][at], waiting.flight.at.k.t_y, m);
+  append(&queue.row[22][at], waiting.flight.slot, m);
+  append(&queue.row[23][at], waiting.flight.turns, m);
+  append(&queue.row[24][at], waiting.l_c, m);
+  append(&queue.row[25][at], waiting.rest_error, m);
+  append(&queue.row[26][at], waiting.at_rest, m);
   queue.count = at + count(m);
 }
 
@@ -2820,15 +5120,16 @@ CAROM_INLINE void read(const Asides& queue, int at, Aside& waiting) {
   waiting.flight.at.h_cap = load(&queue.row[14][at]);
   waiting.flight.at.tail_cap = load(&queue.row[15][at]);
   waiting.flight.at.driven = load(&queue.row[16][at]);
-  waiting.flight.at.k.d_x = load(&queue.row[17][at]);
-  waiting.flight.at.k.d_z = load(&queue.row[18][at]);
-  waiting.flight.at.k.t_x = load(&queue.row[19][at]);
-  waiting.flight.at.k.t_y = load(&queue.row[20][at]);
-  waiting.flight.slot = load(&queue.row[21][at]);
-  waiting.flight.turns = load(&queue.row[22][at]);
-  waiting.l_c = load(&queue.row[23][at]);
-  waiting.rest_error = load(&queue.row[24][at]);
-  waiting.at_rest = load(&queue.row[25][at]);
+  waiting.flight.at.grown = load(&queue.row[17][at]);
+  waiting.flight.at.k.d_x = load(&queue.row[18][at]);
+  waiting.flight.at.k.d_z = load(&queue.row[19][at]);
+  waiting.flight.at.k.t_x = load(&queue.row[20][at]);
+  waiting.flight.at.k.t_y = load(&queue.row[21][at]);
+  waiting.flight.slot = load(&queue.row[22][at]);
+  waiting.flight.turns = load(&queue.row[23][at]);
+  waiting.l_c = load(&queue.row[24][at]);
+  waiting.rest_error = load(&queue.row[25][at]);
+  waiting.at_rest = load(&queue.row[26][at]);
 }
 
 // Those that have ended since their results were placed, in the order in which they did.
@@ -2902,7 +5203,7 @@ CAROM_INLINE void put_aside(Works& works, Turn& turn) {
   const Plan& plan = turn.plan;
   const Mask sticks = both(turn.active, plan.sticks);
   if (any(sticks)) {
-    CAROM_BRANCH();
+    __asm__ volatile("");
     push(works.sticking,
          Aside{flight, plan.l_c, plan.rest_error, select(plan.at_rest, real(1.0), real(0.0))},
          sticks);
@@ -2917,11 +5218,13 @@ CAROM_INLINE void end_turn(Works& works, Turn& turn, Flights& later) {
   const Mask steps = but_not(turn.active, done);
   done = either(done, make_step(flight.start, flight.at, turn.plan, steps));
   flight.turns = flight.turns + real(1.0);
-  const Mask lost = but_not(both(steps, gt(flight.turns, real(kMostSteps))), done);
-  if (any(lost)) {
-    CAROM_BRANCH();
-    flight.at.q = select(lost, real(-1.0), flight.at.q);
-    done = either(done, lost);
+  // What takes too long, or in which errors grow too much, is left to one lane.
+  const Mask apart = both(
+      steps, either(gt(flight.turns, real(kMostSteps)), gt(flight.at.grown, real(kMostGrown))));
+  if (any(apart)) {
+    __asm__ volatile("");
+    flight.at.q = select(apart, real(-1.0), flight.at.q);
+    done = either(done, apart);
   }
   finish(works.ended, flight, done);
   push(later, flight, but_not(steps, done));
@@ -2951,6 +5254,8 @@ CAROM_INLINE void stick_lanes(Works& works, Flights& next, Real e_b) {
   plan.rest_error = aside.rest_error;
   plan.at_rest = gt(aside.at_rest, real(0.0));
   const Mask done = finish_sticking(aside.flight.start, aside.flight.at, plan, active);
+  State& at = aside.flight.at;
+  at.q = select(both(done, gt(at.grown, real(kMostGrown))), real(-1.0), at.q);
   finish(works.ended, aside.flight, done);
   push(next, aside.flight, but_not(active, done));
 }
@@ -2964,10 +5269,8 @@ CAROM_INLINE void take_up(const Batch& batch, size_t first, int count, Places& p
   for (int i = 0; i < kLanes; i += frame::kPart) {
     const int left = count > i ? count - i : 0;
     const int some = left < frame::kPart ? left : frame::kPart;
-    CAROM_REGION_BEGIN("frame");
     frame::take(batch, first + static_cast<size_t>(some > 0 ? i : 0), some, taken, i, places.before,
                 slot + i);
-    CAROM_REGION_END("frame");
   }
   Flight flight{};
   flight.start.v_n = load(taken.v_n);
@@ -3014,10 +5317,8 @@ CAROM_NOINLINE size_t put_down(const Batch batch, Places& places) {
     const Group& group = places.groups[number];
     for (int at = 0; at < group.count; at += frame::kPart) {
       const int some = group.count - at < frame::kPart ? group.count - at : frame::kPart;
-      CAROM_REGION_BEGIN("leave");
       good += frame::put_down(batch, group.first + static_cast<size_t>(at), some, places.results,
                               number * kLanes + at, places.before);
-      CAROM_REGION_END("leave");
     }
     places.free[places.count_free++] = number;
   }
@@ -3037,9 +5338,7 @@ CAROM_NOINLINE size_t work_through(const Batch batch, size_t n, Waves& waves, Pl
     Flights& later = waves.flights[1 - wave];
     while (now.count <= (kWave - 1) * kLanes && next < n && places.count_free > 0) {
       const int some = n - next < kLanes ? static_cast<int>(n - next) : kLanes;
-      CAROM_REGION_BEGIN("take");
       take_up(batch, next, some, places, now);
-      CAROM_REGION_END("take");
       next += static_cast<size_t>(some);
     }
     later.count = 0;
@@ -3050,9 +5349,7 @@ CAROM_NOINLINE size_t work_through(const Batch batch, size_t n, Waves& waves, Pl
     }
     int at = 0;
     for (; at < whole; at += kLanes) {
-      CAROM_REGION_BEGIN("lanes");
       step_lanes(works, now, at, whole - at < kLanes ? whole - at : kLanes, e_b, later);
-      CAROM_REGION_END("lanes");
       if (works.sticking.count >= kLanes) stick_lanes(works, later, e_b);
     }
     for (at = whole; at < now.count; at += kLanes) {  // those that wait for new ones to fill up
