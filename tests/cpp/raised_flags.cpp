@@ -1,6 +1,6 @@
 // raised_flags KERNEL.so ROWS N [trap]: which floating-point exceptions do calls and batches of N
-// cases raise? ROWS: 24 doubles each, as bench/impacts/ball_ball has them. With `trap` they are unmasked: the
-// process dies of the first.
+// cases raise? ROWS: 24 doubles each, as bench/impacts/ball_ball has them. With `trap` they are
+// unmasked: the process dies of the first.
 #include <dlfcn.h>
 #include <fenv.h>
 
