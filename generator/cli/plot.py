@@ -10,7 +10,6 @@ import click
 from .. import api
 from ..errors import InputError
 from ..files import require_place, write_file
-from ..registry.question import DEFAULT_IMPACT
 from . import options
 from .show import rows_of, session, show
 
@@ -28,10 +27,8 @@ def plot(out: Path, models: bool, source: Path | None, impact: str, **asked: Any
     """Draw time against error of fixed steps and exact steppers; its data goes beside as JSON."""
     if out.suffix != ".svg":
         raise InputError(f"{out}: expected the name of an SVG file, as plot.svg")
-    if impact != DEFAULT_IMPACT and not models:
-        raise InputError(
-            f"--impact {impact}: times are drawn of {DEFAULT_IMPACT} alone; add --models"
-        )
+    if "--impact" in options.given(click.get_current_context()) and not models:
+        raise InputError("--impact: times are drawn of the default impact alone; add --models")
     require_place(out)
     if models:
         _models(out, impact)

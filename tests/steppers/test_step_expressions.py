@@ -34,7 +34,7 @@ LEFT = {
     "exact/level_batch.j2": 5,
     "exact/macros.j2": 2,
     "exact/passed.j2": 1,
-    "exact/pressed.j2": 11,
+    "exact/pressed.j2": 13,
     "exact/queue.j2": 2,
     "exact/relative.j2": 1,
     "exact/scale.j2": 2,
