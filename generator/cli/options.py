@@ -14,8 +14,9 @@ PLACE = click.Path(path_type=Path)
 TARGET = click.option(
     "--target", default="native", show_default=True, help="CPU: native, zen3, ... (list targets)"
 )
+USUAL_IMPACT = "ball-ball"  # as registry.question, which would load what --help does not need
 IMPACT = click.option(
-    "--impact", default="ball-ball", show_default=True, help="what collides (list impacts)"
+    "--impact", default=USUAL_IMPACT, show_default=True, help="what collides (list impacts)"
 )
 SCENE = click.option(
     "--scene", default="any", show_default=True, help="what is known of a shot (list scenes)"

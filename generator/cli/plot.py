@@ -27,8 +27,9 @@ def plot(out: Path, models: bool, source: Path | None, impact: str, **asked: Any
     """Draw time against error of fixed steps and exact steppers; its data goes beside as JSON."""
     if out.suffix != ".svg":
         raise InputError(f"{out}: expected the name of an SVG file, as plot.svg")
-    if "--impact" in options.given(click.get_current_context()) and not models:
-        raise InputError("--impact: times are drawn of the default impact alone; add --models")
+    if impact != options.USUAL_IMPACT and not models:
+        alone = f"times are drawn of {options.USUAL_IMPACT} alone"
+        raise InputError(f"--impact {impact}: {alone}; add --models")
     require_place(out)
     if models:
         _models(out, impact)

@@ -323,6 +323,12 @@ def test_help_and_lists_load_no_library_that_is_slow_to_load() -> None:
         (("challenge", "zen3.any.pooltool"), ("no question", "MODEL-GOAL-WIDTH")),
         (("challenge", "generated/ball-ball/zen3/any/pooltool-n1000-x1.cpp"), ("has fixed steps",)),
         (("bench", "--target", "zen9", "--json", "x.json"), ("zen9",)),
+        (("--target", "zen3", "bench"), ("--target", "write it after bench")),
+        (("sweep", "--impact", "ball-cushion"), ("ball-cushion", "a sweep knows ball-ball alone")),
+        (("plot", "--impact", "ball-cushion", "--out", "x.svg"), ("--impact", "add --models")),
+        (("bench", "--impact", "ball-cushion"), ("--impact ball-cushion --scene any",)),
+        (("challenge", "--impact", "ball-cushion"), ("ball-cushion", "no search")),
+        (("emit", "ball-cushion/zen3/any/pooltool-e1m06-x1", "dp54"), ("fixed steps alone",)),
     ],
 )
 def test_wrong_usage_is_one_line(arguments, parts) -> None:

@@ -1,7 +1,8 @@
 """The exact stepper of the cushion: a Runge-Kutta method in the normal impulse, and its control.
 
 The state is c_x, c_z, s_x and v_y in units of the approach speed, so a constant of the control is a
-share of it, or without unit. How each was found is in docs/cushion.md.
+share of it, or without unit. docs/cushion.md says what each is for. The values
+were found by trial on random impacts, they are not derived.
 """
 
 from __future__ import annotations
