@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import os
 import platform
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -37,16 +38,35 @@ def _repair_tools() -> None:
         _run([*PIP, "install", "-q", "--target", str(TOOLS), *REPAIR])
 
 
+def _headers(architecture: str) -> list[str]:
+    """The compiler's words for another architecture's pyconfig.h, of which Debian has one each.
+
+    The machine's own is put there: what it says of types holds on every 64-bit Linux.
+    """
+    own = Path(sysconfig.get_path("platinclude"))
+    ours, theirs = (f"{name}-linux-gnu" for name in (platform.machine(), architecture))
+    config = own.parent / ours / own.name / "pyconfig.h"
+    if not config.is_file():
+        return []
+    folder = ROOT / "build" / "wheels" / architecture / "headers"
+    place = folder / theirs / own.name
+    place.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(config, place / "pyconfig.h")
+    return ["-isystem", str(folder)]
+
+
 def _cross(architecture: str) -> tuple[list[str], dict[str, str]]:
     """CMake's definitions and variables of the environment for another architecture."""
     if architecture == platform.machine():
         return [], {}
-    tuple_ = f"{architecture}-linux-gnu".replace("_", "-")
+    tuple_ = f"{architecture}-linux-gnu"
     own = sysconfig.get_config_var("EXT_SUFFIX")
     suffix = own.replace(platform.machine(), architecture)
     defined = ["CMAKE_SYSTEM_NAME=Linux", f"CMAKE_SYSTEM_PROCESSOR={architecture}"]
     names = {"CC": f"{tuple_}-gcc", "CXX": f"{tuple_}-g++", "SETUPTOOLS_EXT_SUFFIX": suffix}
-    return defined, {**names, "_PYTHON_HOST_PLATFORM": f"linux-{architecture}"}
+    flags = " ".join([*_headers(architecture), os.environ.get("CXXFLAGS", "")]).strip()
+    host = {"_PYTHON_HOST_PLATFORM": f"linux-{architecture}", "CXXFLAGS": flags}
+    return defined, {**names, **host}
 
 
 def make_wheel(architecture: str, out: Path, defined: list[str]) -> None:

@@ -1,6 +1,7 @@
-// One lane vocabulary held to plain C++, lane by lane. tests/emission/test_lanes.py renders the files
-// that are included by quotes, builds this once for each vocabulary and runs it, under an emulator
-// where need be. So it has no dependency. It prints each function and how often it was compared.
+// One lane vocabulary held to plain C++, lane by lane. tests/emission/test_lanes.py renders the
+// files that are included by quotes, builds this once for each vocabulary and runs it, under an
+// emulator where need be. So it has no dependency. It prints each function and how often it was
+// compared.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
