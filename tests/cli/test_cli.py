@@ -327,7 +327,6 @@ def test_help_and_lists_load_no_library_that_is_slow_to_load() -> None:
         (("sweep", "--impact", "ball-cushion"), ("ball-cushion", "a sweep knows ball-ball alone")),
         (("plot", "--impact", "ball-cushion", "--out", "x.svg"), ("--impact", "add --models")),
         (("bench", "--impact", "ball-cushion"), ("--impact ball-cushion --scene any",)),
-        (("challenge", "--impact", "ball-cushion"), ("ball-cushion", "no search")),
         (("emit", "ball-cushion/zen3/any/pooltool-e1m06-x1", "dp54"), ("fixed steps alone",)),
     ],
 )

@@ -98,8 +98,14 @@ def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
     """Files of a library with `carom_count`. `apart`: roots' own operations are left out."""
     asked = source.variant.question
     words = asked.row.words()
-    fields = [(key, words.case_value(key, "row")) for key in asked.known_scene.free]
-    values = {"name": source.source_name, "kinds": KINDS, "fields": fields, "apart": apart}
+    values = {
+        "abi": asked.row.functions,
+        "apart": apart,
+        "fields": [(key, words.case_value(key, "row")) for key in asked.known_scene.free],
+        "kinds": KINDS,
+        "name": source.source_name,
+        "width": len(asked.row.columns.case),
+    }
     render = {
         name: environment().get_template(f"counting/{name}.j2").render(**values)
         for name in ("counted.h", "count.cpp")
@@ -117,7 +123,7 @@ def count_operations(
     cache_folder: Path,
     apart: bool = False,
 ) -> Counted:
-    """Run `cases` (rows of 24) through a kernel that counts, in a process of its own.
+    """Run `cases` (rows of the impact's) through a kernel that counts, in a process of its own.
 
     `apart`: leave out what makes the inverse roots, as the counts in the files of exact kernels do.
     Raises KernelError where the text cannot be counted.

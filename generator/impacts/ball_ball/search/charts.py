@@ -13,48 +13,21 @@ from typing import Literal
 
 import numpy as np
 
+from ....evidence.challenge.scales import (
+    LEAST,
+    Scale,
+    near_zero,
+    parameter_scale,
+    signed,
+    slip_scale,
+)
 from ....evidence.verification.errors import Array
 from .envelope import Envelope
 from .rewind import C_X, C_Z, S_X, S_Y, WORK, rewind
 
 GENES = ("u_b", "u_s", "e_b", "c", "turn", "s", "angle", "v_n")
-_SCALE = Literal["linear", "log", "least", "most", "about"]
-_MARGIN = 0.15
-_LEAST = 1e-12  # of a range, on the scales that are logarithmic
 THRESHOLDS = (3e-4,)  # of e_b, where the kernels' method changes
 Event = Literal["start", "anywhere", "compressed", "end"]
-
-
-@dataclass(frozen=True)
-class Scale:
-    """From 0..1 to a range: evenly, by decades from its lower end, or close to a value.
-
-    Evenly: with a margin beyond both ends, which are reached so and not only come near to.
-    """
-
-    kind: _SCALE
-    low: float
-    high: float
-    about: float = 0.0
-    decades: float = 10.0
-
-    def __call__(self, x: Array) -> Array:
-        span = self.high - self.low
-        if self.kind == "linear":
-            return self.low + span * np.clip(x * (1 + 2 * _MARGIN) - _MARGIN, 0.0, 1.0)
-        if self.kind == "log":
-            return self.low * (self.high / self.low) ** x
-        if self.kind == "least":
-            return self.low + span * 10 ** (self.decades * (x - 1))
-        if self.kind == "most":
-            return self.high - span * 10 ** (-self.decades * x)
-        return np.clip(self.about * (1 + _signed(x, self.decades)), self.low, self.high)
-
-
-def _signed(x: Array, decades: float) -> Array:
-    """From 0..1 to -1..1, by decades from zero on either side."""
-    y = 2 * x - 1
-    return np.where(np.abs(y) < 0.01, 0.0, np.sign(y) * 10 ** (decades * (np.abs(y) - 1)))
 
 
 @dataclass(frozen=True)
@@ -83,25 +56,12 @@ class Chart:
     layout: Layout
 
 
-def _parameter(rng: np.random.Generator, bounds: tuple[float, float], upper: float) -> Scale:
-    """A scale for a range: evenly most often; else by decades from one end. `upper`: how often."""
-    low, high = bounds
-    if low == high:
-        return Scale("linear", low, high)
-    draw = rng.random()
-    if draw < 0.5:
-        return Scale("linear", low, high)
-    if draw < 0.5 + upper:
-        return Scale("most", low, high, decades=rng.choice([3.0, 12.0]))
-    return Scale("least", low, high, decades=rng.choice([3.0, 12.0]))
-
-
 def _restitution(rng: np.random.Generator, bounds: tuple[float, float]) -> Scale:
     low, high = bounds
     inside = [e for e in THRESHOLDS if low < e < high]
     if inside and rng.random() < 0.15:
         return Scale("about", low, high, about=float(rng.choice(inside)), decades=12.0)
-    return _parameter(rng, bounds, 0.3)
+    return parameter_scale(rng, bounds, 0.3)
 
 
 def _layout(rng: np.random.Generator) -> Layout:
@@ -115,27 +75,22 @@ def _layout(rng: np.random.Generator) -> Layout:
     )
 
 
-def _ordinary(rng: np.random.Generator) -> Scale:
-    """Of a slip, over the speed of approach."""
-    return Scale("log", 0.1, 5.0) if rng.random() < 0.5 else Scale("log", 1e-2, 20.0)
-
-
 def draw_chart(rng: np.random.Generator, within: Envelope) -> Chart:
     """A chart at random; those in which errors are usually large come more often."""
     event: Event = rng.choice(["start", "anywhere", "compressed", "end"], p=[0.5, 0.2, 0.1, 0.2])
     vanishing = rng.random() < 0.6  # at an event: the table slip, else the contact slip
-    near = Scale("log", _LEAST, 1.0) if rng.random() < 0.5 else Scale("log", 1e-5, 1.0)
+    near = near_zero(rng)
     if event == "start":
         wide = rng.random() < 0.2
-        c = Scale("log", 1e-10, 1e4) if wide else _ordinary(rng)
-        s = near if rng.random() < 0.3 else _ordinary(rng)
+        c = Scale("log", 1e-10, 1e4) if wide else slip_scale(rng)
+        s = near if rng.random() < 0.3 else slip_scale(rng)
     elif vanishing:
-        c, s = _ordinary(rng), near
+        c, s = slip_scale(rng), near
     else:
-        c, s = near, _ordinary(rng)
+        c, s = near, slip_scale(rng)
     return Chart(
-        u_b=_parameter(rng, within.u_b, 0.35),
-        u_s=_parameter(rng, within.u_s, 0.35),
+        u_b=parameter_scale(rng, within.u_b, 0.35),
+        u_s=parameter_scale(rng, within.u_s, 0.35),
         e_b=_restitution(rng, within.e_b),
         c=c,
         s=s,
@@ -172,7 +127,7 @@ def _turned(chart: Chart, x: Array) -> tuple[Array, Array]:
     """Direction of the contact slip; its second component is negative: ball 2 is pressed."""
     if chart.turn == "even":
         return np.cos(np.pi * x), -np.sin(np.pi * x)
-    small = _signed(x, chart.turned)
+    small = signed(x, chart.turned)
     if chart.turn == "level":
         return np.where(x < 0.5, -1.0, 1.0) * np.sqrt(1 - small**2), -np.abs(small)
     return small, -np.sqrt(1 - small**2)
@@ -194,10 +149,10 @@ def places_of(chart: Chart, genes: Array) -> Places:
     elif chart.event == "anywhere":
         v_n = -1 + (1 + np.maximum(e_b, 1e-3)) * x[7]
     elif chart.event == "compressed":
-        v_n = _signed(x[7], 12.0)
+        v_n = signed(x[7], 12.0)
         v_n = np.where(v_n < 0, np.maximum(v_n, -0.99), v_n * e_b)
     else:
-        v_n, end = np.clip(e_b, _LEAST, 1.0), _signed(x[7], 12.0)
+        v_n, end = np.clip(e_b, LEAST, 1.0), signed(x[7], 12.0)
     return Places(slips, v_n, u_b, u_s, e_b, end)
 
 
