@@ -11,7 +11,7 @@ from ..errors import InputError
 from ..evidence.records.files import read_records, timings_path, union, write_records
 from ..files import require_place
 from ..impacts.registry import DEFAULT, find_impact
-from ..steppers.exact.budgets import plan_for
+from ..steppers.budgets import plan_for
 from ..sweep.explore import Observer
 from ..sweep.lab import Lab
 from ..sweep.ledger import Ledger, new_run

@@ -16,7 +16,7 @@ from ..choice.trials import Final, Run
 from ..errors import InputError
 from ..registry.lane_numbers import widths_for
 from ..registry.question import CALLS, DEFAULT_IMPACT, Call, Contest, Goal, find_impact
-from ..steppers.exact.budgets import plan_for
+from ..steppers.budgets import plan_for
 from ..sweep.explore import Observer
 from ..sweep.lab import Lab
 from ..sweep.ledger import Ledger, new_run

@@ -1,4 +1,4 @@
-"""For which exact kernels fixed steps with a certificate are known (steppers/tiers/bounds.py)."""
+"""For which exact kernels fixed steps with a certificate are known (an impact's steppers/tiers)."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Steppers: how the impulse is stepped, lowered to the parts that templates lay out."""
+"""What the steppers of all impacts share; each impact's own lie in its folder."""

@@ -1,8 +1,8 @@
 """Explicit Runge-Kutta tableaus without an embedded method.
 
-They are for steps whose error is bounded before they are made (steppers/tiers), which need no
-estimate of it afterwards. Weights with roots of integers are rationals that are closer to them than
-any kernel's numbers.
+They are for steps whose error is bounded before they are made (an impact's steppers/tiers), which
+need no estimate of it afterwards. Weights with roots of integers are rationals that are closer to
+them than any number of a kernel.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The tableaus that there are, by name.
 
-A tableau is data: steppers/exact/step.py turns it into statements. To add one: a `Tableau` in the
-module of its order; tests check its order conditions and its convergence
+A tableau is data: an impact's exact stepper turns it into statements. To add one: a `Tableau` in
+the module of its order; tests check its order conditions and its convergence
 (docs/adding-a-stepper.md).
 """
 

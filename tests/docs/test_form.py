@@ -15,12 +15,12 @@ from tests.support.kernels import ROOT
 MODULE_LINES, FUNCTION_LINES, PARAMETERS = 300, 50, 6
 
 LONG_MODULES = {
-    "steppers/exact/step.py": 441,
+    "impacts/ball_ball/steppers/exact/step.py": 441,
 }
-LONG_FUNCTIONS = {"steppers/exact/making.py: _pressed_context": 94}
+LONG_FUNCTIONS = {"impacts/ball_ball/steppers/exact/making.py: _pressed_context": 94}
 MANY_PARAMETERS = {
     "registry/variant.py: make_variant": 7,
-    "steppers/exact/step.py: __init__": 8,
+    "impacts/ball_ball/steppers/exact/step.py: __init__": 8,
 }
 ASSERTED_TO_BE_THERE: dict[str, int] = {}
 

@@ -8,9 +8,9 @@ import pytest
 
 from generator.emission.context import KernelContext
 from generator.emission.environment import environment
+from generator.impacts.ball_ball.steppers.exact.context import ExactContext
 from generator.lowering import isa
 from generator.lowering.lanes import LaneContext, lane_context
-from generator.steppers.exact.context import ExactContext
 from generator.targets.host import read_host
 from generator.targets.target import Target, target_or_port
 from generator.toolchain.compilers import compilers_for, emulator_for, march_flags
@@ -47,7 +47,7 @@ def _vocabulary(target: str, lanes: LaneContext) -> str:
     """The text that a kernel includes; for one lane with what scalar kernels have elsewhere."""
     if lanes.width > 1:
         return environment().get_template(lanes.template).render(lanes=lanes)
-    names = ("lanes/scalar.j2", "lanes/scalar_more.j2", "exact/scale.j2")
+    names = ("lanes/scalar.j2", "lanes/scalar_more.j2", "ball_ball/exact/scale.j2")
     real = lanes.number.real
     found = (isa.float_estimate if lanes.floats else isa.estimate)(target_or_port(target), 0)
     x = Mock(spec=ExactContext, real=real, table=True, lane_estimate=found.scalar)

@@ -26,7 +26,7 @@ from generator.registry.lanes import widths_of
 from generator.registry.presets import find_preset
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, fixed_steps, make_variant
-from generator.steppers.exact.budgets import tableaus_for
+from generator.steppers.budgets import tableaus_for
 from generator.targets.host import read_host
 from generator.targets.target import RSQRT14_ERROR, RSQRTSS_ERROR, find_target, targets
 from generator.toolchain.build import BuildJob, BuiltLibrary

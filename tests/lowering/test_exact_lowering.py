@@ -16,11 +16,11 @@ from generator.impacts.ball_ball import scene as scene_module
 from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.models import find_model
 from generator.impacts.ball_ball.scene import parse_scene
+from generator.impacts.ball_ball.steppers.exact.step import ExactLowering
 from generator.lowering.chains import DEEPEST, unfolded
 from generator.lowering.printer import ExpressionPrinter, Fma, Plus, decimal_product
 from generator.lowering.statements import Assign, lower
 from generator.registry.names import variant_of
-from generator.steppers.exact.step import ExactLowering
 from generator.tableaus.tableau import Tableau
 from generator.tableaus.tableaus import TABLEAUS
 

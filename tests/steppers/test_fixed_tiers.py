@@ -12,12 +12,12 @@ from generator.errors import KernelError
 from generator.evidence.timing.bench_tool import ROOT
 from generator.impacts.ball_ball.evidence.measure import errors_of
 from generator.impacts.ball_ball.models import MODELS
+from generator.impacts.ball_ball.steppers.tiers.bounds import bound_for
+from generator.impacts.ball_ball.steppers.tiers.whole import end_weights
 from generator.registry.rules import broken_rule
 from generator.registry.tiers import has_bound
 from generator.registry.variant import Stepper as Exact
 from generator.registry.variant import Variant, make_variant
-from generator.steppers.tiers.bounds import bound_for
-from generator.steppers.tiers.whole import end_weights
 from generator.tableaus.plain import BUTCHER_6
 from generator.targets.host import read_host
 from generator.targets.target import find_target

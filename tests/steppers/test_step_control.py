@@ -11,8 +11,8 @@ import pytest
 from generator.evidence.timing.bench_tool import ROOT
 from generator.evidence.verification.errors import Array
 from generator.impacts.ball_ball.evidence.measure import CASE_NAMES, errors_of
+from generator.impacts.ball_ball.steppers.exact.ellipse import steepness, sticking_bound
 from generator.registry.lane_numbers import float_lanes
-from generator.steppers.exact.ellipse import steepness, sticking_bound
 from generator.tableaus.tableaus import TABLEAUS
 from tests.support.exact_kernels import built, exact_variant, portable_target
 from tests.support.kernels import bench_tool

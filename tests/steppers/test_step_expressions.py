@@ -13,53 +13,53 @@ from generator.emission.environment import templates_folder
 from generator.evidence.timing.bench_tool import ROOT
 from generator.impacts.ball_ball.masses import EQUAL, pressed_changes
 from generator.impacts.ball_ball.models import find_model
+from generator.impacts.ball_ball.steppers.exact.constants import table
+from generator.impacts.ball_ball.steppers.exact.lengths import PRINTER, plan_lines
+from generator.impacts.ball_ball.steppers.exact.passage import passage_lines
+from generator.impacts.ball_ball.steppers.exact.pressed import Pressed
 from generator.lowering.lane_algebra import Lines, constant, number, plain
 from generator.lowering.statements import Assign
-from generator.steppers.exact.constants import table
-from generator.steppers.exact.lengths import PRINTER, plan_lines
-from generator.steppers.exact.passage import passage_lines
-from generator.steppers.exact.pressed import Pressed
 
 PAGE = ROOT / "docs" / "step-control.md"
 FOLDERS = ("exact", "fixed_step", "lanes", "sections")
 FREE = {"0", "1", "2", "0.0", "1.0", "2.0", "0.5"}
 # What is left: lines of a template with another number, or with arithmetic. Only ever smaller.
 LEFT = {
-    "exact/flight.j2": 42,
-    "exact/frame.j2": 44,
-    "exact/free.j2": 22,
-    "exact/interpolant.j2": 13,
-    "exact/joint_error.j2": 2,
-    "exact/level.j2": 6,
-    "exact/level_batch.j2": 5,
-    "exact/macros.j2": 2,
-    "exact/passed.j2": 1,
-    "exact/pressed.j2": 13,
-    "exact/queue.j2": 2,
-    "exact/relative.j2": 1,
-    "exact/scale.j2": 2,
-    "exact/scale_limits.j2": 2,
-    "exact/single.j2": 2,
-    "exact/stages.j2": 2,
-    "exact/step.j2": 38,
-    "exact/sticking.j2": 50,
-    "exact/system.j2": 17,
-    "fixed_step/ball_lanes.j2": 10,
-    "fixed_step/chosen.j2": 1,
-    "fixed_step/core.j2": 3,
-    "fixed_step/helpers/estimate.j2": 2,
-    "fixed_step/helpers/exact_rsqrt.j2": 2,
-    "fixed_step/helpers/masked.j2": 1,
-    "fixed_step/helpers/pair.j2": 1,
-    "fixed_step/helpers/refined.j2": 5,
-    "fixed_step/lanes/block.j2": 47,
-    "fixed_step/lanes/chatter.j2": 12,
-    "fixed_step/lanes/level.j2": 1,
-    "fixed_step/lanes/loop.j2": 30,
-    "fixed_step/lanes/steady.j2": 11,
-    "fixed_step/level.j2": 3,
-    "fixed_step/macros.j2": 9,
-    "fixed_step/slip_lanes.j2": 8,
+    "ball_ball/exact/flight.j2": 42,
+    "ball_ball/exact/frame.j2": 44,
+    "ball_ball/exact/free.j2": 22,
+    "ball_ball/exact/interpolant.j2": 13,
+    "ball_ball/exact/joint_error.j2": 2,
+    "ball_ball/exact/level.j2": 6,
+    "ball_ball/exact/level_batch.j2": 5,
+    "ball_ball/exact/macros.j2": 2,
+    "ball_ball/exact/passed.j2": 1,
+    "ball_ball/exact/pressed.j2": 13,
+    "ball_ball/exact/queue.j2": 2,
+    "ball_ball/exact/relative.j2": 1,
+    "ball_ball/exact/scale.j2": 2,
+    "ball_ball/exact/scale_limits.j2": 2,
+    "ball_ball/exact/single.j2": 2,
+    "ball_ball/exact/stages.j2": 2,
+    "ball_ball/exact/step.j2": 38,
+    "ball_ball/exact/sticking.j2": 50,
+    "ball_ball/exact/system.j2": 17,
+    "ball_ball/fixed_step/ball_lanes.j2": 10,
+    "ball_ball/fixed_step/chosen.j2": 1,
+    "ball_ball/fixed_step/core.j2": 3,
+    "ball_ball/fixed_step/helpers/estimate.j2": 2,
+    "ball_ball/fixed_step/helpers/exact_rsqrt.j2": 2,
+    "ball_ball/fixed_step/helpers/masked.j2": 1,
+    "ball_ball/fixed_step/helpers/pair.j2": 1,
+    "ball_ball/fixed_step/helpers/refined.j2": 5,
+    "ball_ball/fixed_step/lanes/block.j2": 47,
+    "ball_ball/fixed_step/lanes/chatter.j2": 12,
+    "ball_ball/fixed_step/lanes/level.j2": 1,
+    "ball_ball/fixed_step/lanes/loop.j2": 30,
+    "ball_ball/fixed_step/lanes/steady.j2": 11,
+    "ball_ball/fixed_step/level.j2": 3,
+    "ball_ball/fixed_step/macros.j2": 9,
+    "ball_ball/fixed_step/slip_lanes.j2": 8,
     "lanes/avx2.j2": 18,
     "lanes/interleaved.j2": 10,
     "lanes/near_sqrt.j2": 3,
@@ -72,14 +72,14 @@ LEFT = {
     "lanes/sse2.j2": 1,
     "lanes/vector_bits.j2": 6,
     "sections/abi.j2": 1,
-    "sections/batch_enter.j2": 36,
-    "sections/batch_leave.j2": 11,
-    "sections/frame.j2": 24,
-    "sections/leave.j2": 2,
-    "sections/project_scalar.j2": 6,
-    "sections/project_vector.j2": 6,
-    "sections/restore_scalar.j2": 8,
-    "sections/restore_vector.j2": 10,
+    "ball_ball/sections/batch_enter.j2": 36,
+    "ball_ball/sections/batch_leave.j2": 11,
+    "ball_ball/sections/frame.j2": 24,
+    "ball_ball/sections/leave.j2": 2,
+    "ball_ball/sections/project_scalar.j2": 6,
+    "ball_ball/sections/project_vector.j2": 6,
+    "ball_ball/sections/restore_scalar.j2": 8,
+    "ball_ball/sections/restore_vector.j2": 10,
 }
 
 _QUIET = re.compile(r"\{#.*?#\}|\{%.*?%\}|\{\{.*?\}\}|//[^\n]*|\"[^\"\n]*\"", re.S)

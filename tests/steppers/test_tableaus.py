@@ -18,11 +18,11 @@ import generator.tableaus as tableau_room
 from generator.emission.kernel_source import emit
 from generator.evidence.timing.bench_tool import ROOT
 from generator.impacts.ball_ball.models import find_model
+from generator.impacts.ball_ball.steppers.exact.step import ExactLowering
 from generator.registry.names import name_of, variant_of
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, Variant, make_variant
-from generator.steppers.exact.budgets import plan_for
-from generator.steppers.exact.step import ExactLowering
+from generator.steppers.budgets import plan_for
 from generator.tableaus.tableau import Row, Tableau
 from generator.tableaus.tableaus import TABLEAUS
 from tests.support.exact_kernels import built, portable_target

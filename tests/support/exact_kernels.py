@@ -17,7 +17,7 @@ from generator.registry.presets import find_preset
 from generator.registry.roots import COARSEST_FIRST, allows
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, Variant, make_variant
-from generator.steppers.exact.budgets import tableaus_for
+from generator.steppers.budgets import tableaus_for
 from generator.targets.host import read_host
 from generator.targets.target import Target, find_target
 from generator.toolchain.build import BuiltLibrary

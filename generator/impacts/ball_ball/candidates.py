@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...choice.candidates import Candidates
 from ...registry.presets import BASELINE, PAPER_PRESETS, find_preset
-from ...steppers.exact.budgets import tableaus_for
+from ...steppers.budgets import tableaus_for
 
 # Our short list for fixed steps: the slips alone and one pressed ball, in the ways of making 1/|c|
 # and of writing the loop that have won somewhere.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...choice.candidates import Candidates
-from ...steppers.exact.budgets import plan_for
+from ...steppers.budgets import plan_for
 from .kernels.exact import STEPPERS
 
 

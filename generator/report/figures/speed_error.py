@@ -24,7 +24,7 @@ from ...registry.names import name_of
 from ...registry.question import Goal
 from ...registry.rules import broken_rule
 from ...registry.variant import Stepper, Variant, fixed_steps, make_variant
-from ...steppers.exact.budgets import tableaus_for
+from ...steppers.budgets import tableaus_for
 from ...tableaus.tableaus import TABLEAUS
 from ...targets.host import read_host
 from ...targets.target import Target

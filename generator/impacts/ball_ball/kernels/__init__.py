@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from ....emission.context import KernelContext, KernelHead, Kernels
-from ....lowering.collision_ends import CollisionEnds, at_zero
 from .. import words
 from ..masses import masses_of
 from ..models import find_model
 from ..scene import Scene
+from ..steppers.collision_ends import CollisionEnds, at_zero
 from .context import BallBallContext
 from .exact import exact_parts
 from .fixed import fixed_step_parts

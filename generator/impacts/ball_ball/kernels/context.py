@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ....emission.context import KernelContext
-from ....lowering.collision_ends import at_zero
 from ..scene import Scene
+from ..steppers.collision_ends import at_zero
 from .parts import KernelParts
 
 
@@ -32,11 +32,11 @@ class BallBallContext(KernelContext):
 
     @property
     def project_template(self) -> str:
-        return f"sections/project_{'vector' if self.vector_frame else 'scalar'}.j2"
+        return f"ball_ball/sections/project_{'vector' if self.vector_frame else 'scalar'}.j2"
 
     @property
     def restore_template(self) -> str:
-        return f"sections/restore_{'vector' if self.vector_frame else 'scalar'}.j2"
+        return f"ball_ball/sections/restore_{'vector' if self.vector_frame else 'scalar'}.j2"
 
     @property
     def level_ends(self) -> bool:

@@ -7,12 +7,12 @@ from dataclasses import replace
 from ....lowering.counts import OperationCounts
 from ....lowering.lanes import LaneContext
 from ....registry.variant import Variant
-from ....steppers.exact.context import ExactContext
-from ....steppers.exact.making import exact_context
-from ....steppers.tiers.context import TierContext, tier_context
 from ....targets.target import Target
 from ..models import find_model
 from ..scene import Scene, find_scene
+from ..steppers.exact.context import ExactContext
+from ..steppers.exact.making import exact_context
+from ..steppers.tiers.context import TierContext, tier_context
 from .parts import KernelParts, lanes_of, refuse_lanes
 
 # The closed form's own operations: the normal impulse, the least of two, its sign.
@@ -47,8 +47,8 @@ def exact_parts(variant: Variant, target: Target) -> KernelParts:
 
 def _core(scene: Scene) -> str:
     if scene.level:
-        return "exact/level_only.j2"
-    return "exact/single.j2" if scene.table_friction else "exact/free.j2"
+        return "ball_ball/exact/level_only.j2"
+    return "ball_ball/exact/single.j2" if scene.table_friction else "ball_ball/exact/free.j2"
 
 
 def _tiers(variant: Variant, axis: str) -> TierContext | None:
@@ -60,8 +60,8 @@ def _tiers(variant: Variant, axis: str) -> TierContext | None:
 
 def _batch(scene: Scene, tiers: TierContext | None) -> str:
     if tiers:
-        return "tiers/batch.j2"
-    return "exact/level_batch.j2" if scene.level else "exact/batch.j2"
+        return "ball_ball/tiers/batch.j2"
+    return "ball_ball/exact/level_batch.j2" if scene.level else "ball_ball/exact/batch.j2"
 
 
 def _closed_contract(counts: OperationCounts) -> tuple[str, ...]:

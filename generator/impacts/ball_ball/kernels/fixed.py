@@ -8,13 +8,13 @@ from ....errors import InputError
 from ....lowering import isa
 from ....lowering.counts import OperationCounts
 from ....registry.variant import Variant
-from ....steppers.fixed.batch import fixed_step_batch
-from ....steppers.fixed.loop import Loop
-from ....steppers.fixed.loops import LoopBuilder
 from ....targets.target import Target
 from .. import words
 from ..models import find_model
 from ..scene import find_scene
+from ..steppers.fixed.batch import fixed_step_batch
+from ..steppers.fixed.loop import Loop
+from ..steppers.fixed.loops import LoopBuilder
 from ..terms import ContactTerms
 from .parts import KernelParts, lanes_of
 
@@ -68,8 +68,8 @@ def fixed_step_parts(variant: Variant, target: Target) -> KernelParts:
     lanes = lanes_of(variant, target)
     counts = next((f for f in context.functions if f.pressed), context.functions[0]).counts()
     return KernelParts(
-        core_template="fixed_step/core.j2",
-        batch_template="fixed_step/batch.j2",
+        core_template="ball_ball/fixed_step/core.j2",
+        batch_template="ball_ball/fixed_step/batch.j2",
         counts=counts,
         contract=_contract(context.steps, counts),
         shown={"e": context, "b": fixed_step_batch(variant, terms, lanes) if lanes else None},
@@ -117,4 +117,4 @@ def _helpers(variant: Variant) -> tuple[str, ...]:
         "pair": variant["simd"] in ("balls", "slips"),
         "progress": chosen,
     }
-    return tuple(f"fixed_step/helpers/{name}.j2" for name, is_ in wanted.items() if is_)
+    return tuple(f"ball_ball/fixed_step/helpers/{name}.j2" for name, is_ in wanted.items() if is_)

@@ -1,0 +1,278 @@
+"""What the templates of the exact steppers may see."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from .....lowering.counts import OperationCounts
+from .....lowering.printer import decimal_product
+from .....lowering.statements import Part
+from .....steppers.budgets import StepControl
+from .....tableaus.tableau import Tableau
+from ..collision_ends import LevelForms
+from .ellipse import largest_weight, sticking_bound
+from .lengths import PlanLines
+from .passage import PassageLines
+from .step import (
+    IMPULSES,
+    SLIPS,
+    ExactStep,
+    Kept,
+)
+
+MOST_STEPS = 4000
+STACK = 28 << 10  # bytes that a function of a batch may hold in arrays: carom.h promises 32 KiB
+MOST_GROWN = 1.5  # logarithm: beyond it a collision is made again, with steps as much more exact
+CAREFUL = 1e-8  # budget that steps which are made again have at most: that of their tableau
+SQUARINGS = 8  # n of (1 - x/2^n)^(2^n), never above exp(-x), which no freestanding build has
+LEAST_STEP = 1e-16  # tolerance of a step, relative to |v1 - v2|, below which all is rounding
+SPIN = 2.5  # R w changes by so much of an impulse: 1 / (2/5) of a ball's inertia
+NEGLECTED = 0.1  # share of the budget that a step may miss of what it does not look at
+
+
+@dataclass(frozen=True)
+class ExactContext:
+    """Numbers and parts of one exact kernel; names as in templates/exact."""
+
+    tableau: Tableau
+    control: StepControl
+    budget: float
+    step: ExactStep
+    real: str
+    lane_estimate: tuple[str, ...]
+    root_newton: int | None
+    split_roots: bool  # may what a root is multiplied by go in before its last correction?
+    root_cubic: bool
+    estimates: bool  # is rsqrt_estimate an instruction's, where there is one?
+    coarse: bool  # is the estimate so coarse that a root and a division do better than refining it?
+    root_text: str
+    tiny_square: str
+    tiny_slip: str  # a table slip with a direction, but of no account
+    before: tuple[str, ...]  # slips from velocities
+    relative: tuple[str, ...]  # the components of v1 - v2
+    after: tuple[str, ...]  # velocities from impulse sums
+    level: LevelForms
+    slip_of: dict[
+        str, str
+    ]  # the table slips, by the names they have, or 0.0 where known to be zero
+    k_x: float  # c_x' = k_x d_x + ...
+    k_z: str  # c_z' = k_z d_z + ...
+    k_zt: str  # c_z' = ... + k_zt t_y
+    per_k_x: str  # their inverses, exact but for one rounding
+    per_k_z: str
+    drift_x: str
+    drift_y: str
+    tail_t_x: str  # table friction of sticking, as it changes c_x and v_n
+    tail_t_y: str
+    tail_steps: tuple[str, ...]  # the stages of the step into sticking
+    extra_stages: tuple[Part, ...]  # for the interpolant alone
+    kept: tuple[Kept, ...]  # what each stage leaves, where two vectors' stages are made in turn
+    dense_work: tuple[str, ...]  # coefficients of the interpolants of t_y and of the work
+    dense_contact: tuple[str, ...]  # of the other impulses
+    plan: PlanLines | None
+    passage: PassageLines | None
+    drift: tuple[str, ...]  # b, the rate of the table slip
+    landed: tuple[str, ...]  # slips from the impulses of a part of a step
+    k_xt: str  # c_x' = ... - k_xt t_x
+    xt_per_x: str  # k_xt / k_x
+    bending: str  # k_x k_zt / k_z
+    least_k_z: float  # of all masses that there may be
+    k_f: sp.Expr  # s' = ... + k_f t
+    approach_share: str  # of table friction in the change of v_n, as a factor
+    tail_s_x: str
+    tail_s_y: str
+    impulse_names: tuple[str, ...] = tuple(IMPULSES)
+    slip_names: tuple[str, ...] = tuple(SLIPS)
+    most_steps: int = MOST_STEPS
+    huge: str = "1e30"
+    tiny_error: float = 1e-72  # far below every square of an error
+    no_friction: float = 1e-30  # u_b up to this is none
+    tiny_friction: float = 1e-36  # added to u_b where it is divided by; it moves nothing
+    gains: bool = False  # are changes of slips added up beside them (float, or a tight budget)?
+    scaled: bool = True  # are speeds scaled (they are where they may be any)?
+    one_table: bool = False  # is table friction the same for both balls?
+    careful: ExactContext | None = None  # where the table drives its slip on: for what grows
+    again: bool = False  # is it this one, whose tolerance is less, the more errors grow?
+    other: ExactContext | None = None  # unequal masses: as this one (ball 2 pressed), for ball 1
+    masses_given: bool = False  # with the call?
+    tail_bend: str = ""  # the power of 1 - t on the way into sticking, where masses make it
+    width: int = 1
+    lane_bytes: int = 8  # of a vector in flight
+    together: int = 1  # vectors whose steps are made at once
+    batch: ExactContext | None = None  # the same in lanes
+    entry: str = "collide_all"  # what a batch of lanes is called by
+
+    @property
+    def most_grown(self) -> float:
+        """Logarithm of what the table may make of an error before a collision is made again."""
+        return MOST_GROWN
+
+    @property
+    def most_ever(self) -> float:
+        """The same, where the tolerance of a step would be below rounding."""
+        turns = 2**SQUARINGS
+        share = LEAST_STEP / (self.control.tolerance * self.budget)
+        return _figures(MOST_GROWN + turns * (1 - share ** (1 / turns)))
+
+    @property
+    def squarings(self) -> int:
+        """By which `shrink` raises what tolerances are multiplied by."""
+        return SQUARINGS
+
+    @property
+    def most_aim(self) -> float:
+        """Of the usual tolerance: that of steps which are made again is at most this."""
+        return _figures(min(1.0, CAREFUL / self.budget))
+
+    @property
+    def flight_fields(self) -> tuple[str, ...]:
+        """What a collision holds between two steps, as exact/flight.j2 has it."""
+        start = ("v_n", "u_b", "u_s", "tolerance", "per_u_b")
+        state = (
+            *self.slip_names,
+            "q",
+            "v",
+            "work",
+            "target",
+            "rest",
+            "h_cap",
+            "tail_cap",
+            "driven",
+            *(("grown",) if self.drives else ()),
+        )
+        added_up = self.results[:-1] if self.gains else ()
+        return (
+            *(f"start.{name}" for name in start),
+            *(f"at.{name}" for name in (*state, *added_up)),
+            *(f"at.k.{name}" for name in self.impulse_names),
+            "slot",
+            "turns",
+        )
+
+    @property
+    def wave(self) -> int:
+        """Vectors under way in a batch: as many as the stack has room for between two waves."""
+        room = STACK // (2 * len(self.flight_fields) * self.lane_bytes)
+        return max(1, min(6, room - 2))
+
+    @property
+    def groups(self) -> int:
+        """Vectors of collisions that may wait for those of them that take long."""
+        lanes = self.lane_bytes // (4 if self.real == "float" else 8)
+        kept = len(self.results) * self.lane_bytes + 16 * lanes  # and status, distance in double
+        kept += 24  # where it is in the batch, how much of it is left, its number in two lists
+        return STACK // kept
+
+    @property
+    def results(self) -> tuple[str, ...]:
+        """What is left of the state where a collision ends: velocities follow from it."""
+        gains = tuple(f"gain_{name}" for name in self.impulse_names)
+        return (*(gains if self.gains else self.slip_names), "q")
+
+    @property
+    def aside_fields(self) -> tuple[str, ...]:
+        """The same for one that is put aside to stick."""
+        own = ("l_c", "rest_error", "at_rest")
+        return (*(f"flight.{name}" for name in self.flight_fields), *own)
+
+    @property
+    def table(self) -> bool:
+        """Does the table act?"""
+        return "s_x" in self.slip_names
+
+    @property
+    def scalar(self) -> bool:
+        """One lane: what rarely happens is branched on, not selected."""
+        return self.width == 1
+
+    @property
+    def root_of_order(self) -> int:
+        """64 / order: `power` takes roots in 64ths."""
+        return round(64 / self.tableau.order)
+
+    @property
+    def tolerance(self) -> str:
+        """Of a step, relative to |v1 - v2|."""
+        return decimal_product(self.control.tolerance, self.budget)
+
+    @property
+    def drives(self) -> bool:
+        """Does table friction drive the table slip on?"""
+        return bool(self.k_f.is_negative)
+
+    @property
+    def rest_share(self) -> float:
+        """Table slip that counts as zero, in tolerances / friction; it matters where it grows."""
+        return self.control.rest * (0.03 if self.drives else 1)
+
+    @property
+    def of_account(self) -> float:
+        """Friction on the table, in tolerances, below which a step need not mind where s passes.
+
+        Unseen it makes at most NEGLECTED of the budget, whichever way a step's weights turn it.
+        """
+        return _figures(NEGLECTED / (SPIN * largest_weight(self.tableau) * self.control.tolerance))
+
+    @property
+    def gone(self) -> float:
+        """Contact slip, in tolerances, that is taken away at once: SPIN / k_z of it is an error."""
+        return _figures(NEGLECTED / 10 / self.control.tolerance)
+
+    @property
+    def tail_unseen(self) -> float:
+        """What the step into sticking may miss, over u_s |c_z|, where s passes zero within it."""
+        return _figures(SPIN * sticking_bound(self.tableau)[0] / self.least_k_z)
+
+    @property
+    def sticking_power(self) -> int:
+        return sticking_bound(self.tableau)[1]
+
+    @property
+    def landing_turns(self) -> int:
+        """Newton iterations for the end of a collision on an interpolant, where it takes any."""
+        return 4 if self.dense_landing else 2
+
+    @property
+    def dense_landing(self) -> bool:
+        """Is the end taken anywhere in a step, on its dense interpolant? Else near its end."""
+        return self.again or self.budget < 1e-7
+
+    @property
+    def extend(self) -> float:
+        """How far beyond a step's end its interpolant may end the collision, in steps."""
+        return 5e-4 if self.dense_landing else 0.05
+
+    @property
+    def inside(self) -> float:
+        """How far before a step's end the cubic interpolant may end the collision."""
+        return 1.0 if self.dense_landing else 0.05 if self.budget < 1e-5 else 0.1
+
+    @property
+    def dense_crossing(self) -> bool:
+        """Is v_n = 0 found on the dense interpolant?"""
+        return self.again or self.budget < 3e-4
+
+    @property
+    def crossing_turns(self) -> int:
+        """The same for v_n = 0. The work is stationary there: half the digits are enough."""
+        return 3 if self.dense_landing else 1
+
+    @property
+    def interpolant(self) -> str:
+        """t (whole + u (r3 + t (r4 + u (r5 + t (r6 + ...))))), u = 1 - t."""
+        text = ""
+        for n in reversed(range(len(self.tableau.dense))):
+            inner = f"fma({text}, r{n + 5})" if text else f"r{n + 5}"
+            text = f"{'t' if n % 2 else 'u'}, {inner}"
+        return f"t * fma(u, fma(t, fma({text}, lower.r4), lower.r3), lower.whole)"
+
+    @property
+    def counts(self) -> OperationCounts:
+        return self.step.counts
+
+
+def _figures(value: float) -> float:
+    """To three figures: more would say more than is known."""
+    return float(f"{value:.3g}")

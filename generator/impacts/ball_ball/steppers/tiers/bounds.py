@@ -1,0 +1,102 @@
+"""What the certificates of fixed steps weigh, by model and budget.
+
+The terms follow from where the rates are analytic (docs/fixed-tiers.md). Their weights are those
+under which no collision of a search with an error over `error` is accepted, times a margin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .....tableaus.plain import BUTCHER_6, PlainTableau
+from ...terms import ContactTerms
+
+
+@dataclass(frozen=True)
+class Term:
+    """weight * factor * reach^(3 reach) * near^(3 near), over the impulse of friction."""
+
+    weight: float
+    reach: int = 0  # of the way to sticking
+    near: int = 0  # to a passage of the table slip by zero
+    turning: bool = False  # weighed by (k_x - k_z) |c_x| / |c|, else by u_s
+
+
+@dataclass(frozen=True)
+class Tier:
+    """A way of `steps` in either phase, 0: one step over both; and where it is exact enough."""
+
+    steps: int
+    terms: tuple[Term, ...]
+    most_way: float  # of the way to sticking that the collision goes
+    most_near: float  # 1 where table slip passes zero
+    work: float = 0.0  # weight of the error of J_c, times (1 - e^2) / e and near^4
+
+
+@dataclass(frozen=True)
+class Bound:
+    """The tiers of a model and a budget, the cheapest first, and the region they are known in."""
+
+    error: float  # of |v1 - v2|: what a collision may be off in any of them
+    tableau: PlainTableau
+    tiers: tuple[Tier, ...]
+    least_e_b: float = 0.4
+    most_friction: float = 0.12  # u_s u_b
+
+
+@dataclass(frozen=True)
+class _Row:
+    """The certificates of a contact model for budgets from `least` on."""
+
+    terms: ContactTerms
+    least: float
+    bound: Bound
+
+
+_WHOLE = Tier(
+    steps=0,
+    terms=(
+        Term(0.0092, reach=2, turning=True),
+        Term(0.645, reach=3, turning=True),
+        Term(0.002, reach=2),
+        Term(0.033, near=2),
+        Term(0.102, near=3),
+        Term(0.065, reach=1, near=1),
+    ),
+    most_way=0.85,
+    most_near=0.75,
+    work=0.004,
+)
+_ONE_A_PHASE = Tier(
+    steps=1,
+    terms=(
+        Term(0.082, reach=4, turning=True),
+        Term(1e-4, reach=3),
+        Term(0.0042, near=2),
+        Term(0.018, near=3),
+        Term(0.031, near=4),
+    ),
+    most_way=0.9,
+    most_near=0.8,
+)
+_TWO_A_PHASE = Tier(
+    steps=2,
+    terms=(Term(0.0042, reach=4, turning=True), Term(2e-4, near=2), Term(0.015, near=4)),
+    most_way=0.93,
+    most_near=0.9,
+)
+
+_FOR_1E6 = Bound(2.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE))
+
+_ROWS: tuple[_Row, ...] = (
+    _Row(ContactTerms("bottom", lift=True), 1e-6, _FOR_1E6),
+    _Row(ContactTerms("bottom", lift=False), 1e-6, _FOR_1E6),
+)
+
+
+def bound_for(terms: ContactTerms, budget: float) -> Bound:
+    """The certificates for a budget. ValueError where none are known (registry/tiers.py)."""
+    for row in _ROWS:
+        if row.terms == terms and budget >= row.least:
+            return row.bound
+    raise ValueError(f"no certificate is known for {terms} and {budget:g}")

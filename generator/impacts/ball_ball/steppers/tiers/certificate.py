@@ -1,0 +1,128 @@
+"""Which fixed steps are exact enough for a collision, known before they are made."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .....lowering.lane_algebra import (
+    Fields,
+    Lines,
+    Number,
+    absolute,
+    both,
+    constant,
+    fma,
+    given,
+    mask,
+    number,
+    rough_inverse,
+    rough_rsqrt,
+    select,
+    smaller,
+)
+from ..exact.lengths import times
+from ..exact.pressed import Pressed
+from .bounds import Bound, Term
+from .whole import PRINTER, Text
+
+TINY = constant("kTinySquare")
+RESTS = 2e-7  # of the approach velocity: a table slip that is none
+SETS_OFF = 1e-6  # of it: where the table slip is put that was none, on the way that it will go
+
+
+def certificate(bound: Bound, pressed: Pressed) -> Text:
+    """Whether fixed steps do (`tier0`, ...), a step h over all, and the slips to start from."""
+    lines = Lines(PRINTER)
+    c_x, c_z = number("slips.c_x"), number("slips.c_z")
+    v, u_b, u_s, end = number("approach_1"), number("u_b"), number("u_s"), Fields("end")
+    per_c = lines.number("per_c", rough_rsqrt(fma(c_x, c_x, fma(c_z, c_z, TINY))))
+    n_z = lines.number("n_z", -c_z * per_c)
+    push = lines.number("push", u_b * n_z)
+    phi = lines.number("phi", u_s * push, "table friction per unit of q")
+    q = lines.number("q", end.half * v, "the normal impulse, but for table friction")
+    b_x = lines.number("b_x", given(pressed.recoil) * u_b * (c_x * per_c))
+    b_y = lines.number("b_y", fma(given(pressed.k_b), push, given(pressed.drive)))
+    _set_off(lines, b_x, b_y)
+    at = Fields("at")
+    n_0 = lines.number("n_0", fma(at.s_x, at.s_x, fma(at.s_y, at.s_y, TINY)))
+    e_x, e_y = lines.number("e_x", fma(q, b_x, at.s_x)), lines.number("e_y", fma(q, b_y, at.s_y))
+    n_1 = lines.number("n_1", fma(e_x, e_x, fma(e_y, e_y, TINY)))
+    per_0, per_1 = lines.number("per_0", rough_rsqrt(n_0)), lines.number("per_1", rough_rsqrt(n_1))
+    lines.remark("Friction along the line of centres at both ends of the straight path")
+    f_0, f_1 = (
+        lines.number(f"f_{i}", -phi * (y * per))
+        for i, y, per in ((0, at.s_y, per_0), (1, e_y, per_1))
+    )
+    mean = lines.number("mean", f_0 + f_1)
+    share = fma(end.bend * mean, mean, fma(-end.first, f_0, fma(-end.last, f_1, end.half)))
+    lines.number("h", share * v)
+    lines.remark("How near sticking, and a passage of the table slip by zero, come to the step")
+    most = max(float(pressed.k_x), float(pressed.k_z))
+    fall = fma(given(pressed.k_zt) * u_s, n_z, most)
+    way = lines.number("way", fall * u_b * q * per_c)
+    part = lines.number("part", smaller(way, 1))
+    lines.number("reach", part * rough_inverse(2 - part))
+    n_b = lines.number("n_b", fma(b_x, b_x, b_y * b_y))
+    per_b = lines.number("per_b", rough_rsqrt(n_b))
+    whole = fma(n_0, per_0, n_1 * per_1)
+    near_0 = lines.number("near_0", n_b * per_b * q * rough_inverse(whole))
+    lines.number("near", select(mask("rests"), 0, near_0))
+    _known(lines, bound, pressed)
+    return lines.part()
+
+
+def _set_off(lines: Lines, b_x: Number, b_y: Number) -> None:
+    """A table slip of zero is put a little way along the path that it is driven on."""
+    v = number("approach_1")
+    s_x, s_y = number("slips.s_x"), number("slips.s_y")
+    size = fma(s_x, s_x, s_y * s_y)
+    rests = lines.mask("rests", size <= RESTS**2 * v * v)
+    little = lines.number("little", SETS_OFF * v)
+    at = Fields("at")
+    lines.set(at.s_x, select(rests, little * b_x, s_x))
+    lines.set(at.s_y, select(rests, little * b_y, s_y))
+
+
+def _known(lines: Lines, bound: Bound, pressed: Pressed) -> None:
+    """A mask `tier<n>` for each tier: would it be exact enough?"""
+    per_c, near_3 = number("per_c"), number("near_3")
+    lines.number("reach_3", _cube(number("reach")))
+    lines.number("near_3", _cube(number("near")))
+    lines.number("n_x", times(pressed.k_x - pressed.k_z, absolute(number("slips.c_x"))) * per_c)
+    rubbed = number("u_s") * number("u_b") <= bound.most_friction
+    lines.number("room", bound.error * number("relative"))
+    scale = lines.number("rubs", number("push") * number("q"))
+    for i, tier in enumerate(bound.tiers):
+        rub = _total(lines, f"passes{i}", [t for t in tier.terms if not t.turning])
+        if tier.work:
+            rub = fma(number("end.work") * number("near"), near_3, rub)
+        turn = _total(lines, f"turns{i}", [t for t in tier.terms if t.turning])
+        off = lines.number(f"off{i}", scale * fma(number("u_s"), rub, number("n_x") * turn))
+        within = both(number("way") < tier.most_way, number("near") < tier.most_near)
+        lines.mask(f"tier{i}", both(both(within, rubbed), off < number("room")))
+
+
+def _cube(x: Number) -> Number:
+    return x * x * x
+
+
+def _total(lines: Lines, name: str, terms: Sequence[Term]) -> Number:
+    """A polynomial of reach^3 and near^3; small powers are made once."""
+    total: Number | None = None
+    for term in terms:
+        product = _power(lines, "reach", term.reach)
+        other = _power(lines, "near", term.near)
+        factors = [f for f in (product, other) if f is not None]
+        value = factors[0] if len(factors) == 1 else factors[0] * factors[1]
+        total = term.weight * value if total is None else fma(term.weight, value, total)
+    if total is None:
+        raise ValueError(f"{name}: a certificate needs a term")
+    return lines.number(name, total)
+
+
+def _power(lines: Lines, of: str, cubes: int) -> Number | None:
+    """of^(3 cubes), from the names that are there."""
+    cube = number(f"{of}_3")
+    return {0: None, 1: cube, 2: cube * cube, 3: cube * cube * cube}.get(
+        cubes, (cube * cube) * (cube * cube)
+    )
