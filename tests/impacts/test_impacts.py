@@ -39,7 +39,7 @@ REMAINING = {
     "generator/cli/*": (1, "help"),
     "generator/clients/*": (1, "the kernels of two masses"),
     "generator/report/*": (1, "scenes by name"),
-    "templates/*": (6, "lanes that exact steppers alone use, the report's page"),
+    "templates/*": (3, "a batch of two balls, the report's page"),
 }
 SUFFIXES = {".py", ".j2", ".cpp", ".h", ".toml"}
 

@@ -17,6 +17,7 @@ from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.models import find_model
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.impacts.ball_ball.steppers.exact.step import ExactLowering
+from generator.impacts.ball_ball.steppers.exact.writing import Equations, Writing
 from generator.lowering.chains import DEEPEST, unfolded
 from generator.lowering.printer import ExpressionPrinter, Fma, Plus, decimal_product
 from generator.lowering.statements import Assign, lower
@@ -58,7 +59,7 @@ def test_a_long_chain_inside_an_expression_gets_a_name() -> None:
 
 def test_the_largest_step_holds_no_deep_nest() -> None:
     """clang-format takes 5 s and more for nests of a dop853 step, a moment for statements."""
-    parts = ExactLowering(TERMS, TABLEAUS["dop853"], True)
+    parts = ExactLowering(Equations(TERMS), TABLEAUS["dop853"], Writing(place_fma=True))
     whole = parts.parts()
     lines = [*whole.error.lines, *parts.tail().lines]
     for stage in (*whole.stages, *parts.extra_stages()):
@@ -78,7 +79,7 @@ def blind_to_the_tail() -> Tableau:
 
 
 def test_an_estimate_that_sees_nothing_of_the_tail_is_refused() -> None:
-    lowering = ExactLowering(TERMS, blind_to_the_tail(), True)
+    lowering = ExactLowering(Equations(TERMS), blind_to_the_tail(), Writing(place_fma=True))
     with pytest.raises(ValueError, match=r"blind54: .* sees nothing of the step into sticking"):
         lowering.tail()
 
@@ -87,7 +88,11 @@ def test_a_stage_made_of_stages_at_the_end_alone_prints_zero() -> None:
     """Rates are zero at the end of the tail, so such a stage stands where the step began."""
     dp54 = TABLEAUS["dp54"]
     a = (*dp54.a[:5], dp54.a[5], (Fraction(0),) * 5 + (Fraction(1),))
-    lines = ExactLowering(TERMS, replace(dp54, name="end54", a=a), True).tail().lines
+    lines = (
+        ExactLowering(Equations(TERMS), replace(dp54, name="end54", a=a), Writing(place_fma=True))
+        .tail()
+        .lines
+    )
     assert "const Real z6_x = real(0.0);" in lines
     assert any(line.startswith("const Real z6_r = r_0") for line in lines)
 

@@ -19,6 +19,7 @@ from generator.emission.kernel_source import emit
 from generator.evidence.timing.bench_tool import ROOT
 from generator.impacts.ball_ball.models import find_model
 from generator.impacts.ball_ball.steppers.exact.step import ExactLowering
+from generator.impacts.ball_ball.steppers.exact.writing import Equations, Writing
 from generator.registry.names import name_of, variant_of
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, Variant, make_variant
@@ -240,7 +241,8 @@ def test_every_tableau_joins_the_list() -> None:
 @each_tableau
 def test_every_tableau_lowers(tableau: Tableau) -> None:
     for model in ("mathavan2014", "pooltool"):
-        parts = ExactLowering(find_model(model).terms, tableau, True).parts()
+        equations = Equations(find_model(model).terms)
+        parts = ExactLowering(equations, tableau, Writing(place_fma=True)).parts()
         assert len(parts.stages) == tableau.stages - 1
 
 

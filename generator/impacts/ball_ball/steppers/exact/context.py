@@ -4,23 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy as sp
-
 from .....lowering.counts import OperationCounts
+from .....lowering.lane_roots import LaneRoots
 from .....lowering.printer import decimal_product
-from .....lowering.statements import Part
 from .....steppers.budgets import StepControl
 from .....tableaus.tableau import Tableau
-from ..collision_ends import LevelForms
+from .coefficients import Coefficients
 from .ellipse import largest_weight, sticking_bound
-from .lengths import PlanLines
-from .passage import PassageLines
-from .step import (
-    IMPULSES,
-    SLIPS,
-    ExactStep,
-    Kept,
-)
+from .parts import EndParts, StepParts
+from .pressed import Pressed
 
 MOST_STEPS = 4000
 STACK = 28 << 10  # bytes that a function of a batch may hold in arrays: carom.h promises 32 KiB
@@ -32,72 +24,26 @@ SPIN = 2.5  # R w changes by so much of an impulse: 1 / (2/5) of a ball's inerti
 NEGLECTED = 0.1  # share of the budget that a step may miss of what it does not look at
 
 
-@dataclass(frozen=True)
-class ExactContext:
-    """Numbers and parts of one exact kernel; names as in templates/exact."""
+@dataclass(frozen=True, kw_only=True)
+class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
+    """Numbers and parts of one exact kernel; names as in templates/ball_ball/exact."""
 
     tableau: Tableau
     control: StepControl
     budget: float
-    step: ExactStep
-    real: str
-    lane_estimate: tuple[str, ...]
-    root_newton: int | None
-    split_roots: bool  # may what a root is multiplied by go in before its last correction?
-    root_cubic: bool
-    estimates: bool  # is rsqrt_estimate an instruction's, where there is one?
-    coarse: bool  # is the estimate so coarse that a root and a division do better than refining it?
-    root_text: str
-    tiny_square: str
+    pressed: Pressed
     tiny_slip: str  # a table slip with a direction, but of no account
-    before: tuple[str, ...]  # slips from velocities
-    relative: tuple[str, ...]  # the components of v1 - v2
-    after: tuple[str, ...]  # velocities from impulse sums
-    level: LevelForms
-    slip_of: dict[
-        str, str
-    ]  # the table slips, by the names they have, or 0.0 where known to be zero
-    k_x: float  # c_x' = k_x d_x + ...
-    k_z: str  # c_z' = k_z d_z + ...
-    k_zt: str  # c_z' = ... + k_zt t_y
-    per_k_x: str  # their inverses, exact but for one rounding
-    per_k_z: str
-    drift_x: str
-    drift_y: str
-    tail_t_x: str  # table friction of sticking, as it changes c_x and v_n
-    tail_t_y: str
-    tail_steps: tuple[str, ...]  # the stages of the step into sticking
-    extra_stages: tuple[Part, ...]  # for the interpolant alone
-    kept: tuple[Kept, ...]  # what each stage leaves, where two vectors' stages are made in turn
-    dense_work: tuple[str, ...]  # coefficients of the interpolants of t_y and of the work
-    dense_contact: tuple[str, ...]  # of the other impulses
-    plan: PlanLines | None
-    passage: PassageLines | None
-    drift: tuple[str, ...]  # b, the rate of the table slip
-    landed: tuple[str, ...]  # slips from the impulses of a part of a step
-    k_xt: str  # c_x' = ... - k_xt t_x
-    xt_per_x: str  # k_xt / k_x
-    bending: str  # k_x k_zt / k_z
-    least_k_z: float  # of all masses that there may be
-    k_f: sp.Expr  # s' = ... + k_f t
-    approach_share: str  # of table friction in the change of v_n, as a factor
-    tail_s_x: str
-    tail_s_y: str
-    impulse_names: tuple[str, ...] = tuple(IMPULSES)
-    slip_names: tuple[str, ...] = tuple(SLIPS)
     most_steps: int = MOST_STEPS
     huge: str = "1e30"
     tiny_error: float = 1e-72  # far below every square of an error
     no_friction: float = 1e-30  # u_b up to this is none
     tiny_friction: float = 1e-36  # added to u_b where it is divided by; it moves nothing
-    gains: bool = False  # are changes of slips added up beside them (float, or a tight budget)?
     scaled: bool = True  # are speeds scaled (they are where they may be any)?
     one_table: bool = False  # is table friction the same for both balls?
     careful: ExactContext | None = None  # where the table drives its slip on: for what grows
     again: bool = False  # is it this one, whose tolerance is less, the more errors grow?
     other: ExactContext | None = None  # unequal masses: as this one (ball 2 pressed), for ball 1
     masses_given: bool = False  # with the call?
-    tail_bend: str = ""  # the power of 1 - t on the way into sticking, where masses make it
     width: int = 1
     lane_bytes: int = 8  # of a vector in flight
     together: int = 1  # vectors whose steps are made at once
@@ -200,7 +146,7 @@ class ExactContext:
     @property
     def drives(self) -> bool:
         """Does table friction drive the table slip on?"""
-        return bool(self.k_f.is_negative)
+        return self.pressed.drives
 
     @property
     def rest_share(self) -> float:
@@ -223,7 +169,7 @@ class ExactContext:
     @property
     def tail_unseen(self) -> float:
         """What the step into sticking may miss, over u_s |c_z|, where s passes zero within it."""
-        return _figures(SPIN * sticking_bound(self.tableau)[0] / self.least_k_z)
+        return _figures(SPIN * sticking_bound(self.tableau)[0] / self.pressed.least_k_z)
 
     @property
     def sticking_power(self) -> int:
