@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..evidence.timing.bench_tool import BenchTool
 from ..registry.question import DEFAULT_IMPACT, Goal, find_impact
 from ..targets.host import read_host
 from ..targets.target import find_target
 from ..vendoring.folder import require_replaceable, staged, write_files
 from ..vendoring.job import Comparison, all_files, compare
-from ..vendoring.kernels import Places, TargetKernels, kernels_for, stored_kernels
+from ..vendoring.kernels import Chosen, Places, TargetKernels, kernels_for, stored_kernels
 from ..vendoring.manifest import read_manifest
 from ..vendoring.request import VendorRequest, checked, checked_targets
 from .session import Session, resolve_target
@@ -24,7 +26,8 @@ class VendorOptions:
     `targets`: CPUs; several get a dispatcher. `scene`, `model`, `steps`, `max_error`: as in
     `Request`. `prefix`: what all names begin with. `single_header`: all in one header.
     `reproducible`: the same bits on every CPU. `force`: replace a folder that was edited by hand.
-    `seconds`: for timing, where no choice is stored yet. `impact`: what collides.
+    `seconds`: for timing, where no choice is stored yet. `impact`: what collides, or several with
+    commas; `model` is then one name that all have, or as many.
     """
 
     targets: tuple[str, ...]
@@ -41,7 +44,6 @@ class VendorOptions:
 
     def checked(self) -> VendorRequest:
         """What the names stand for. Raises InputError naming the one that cannot be."""
-        find_impact(self.impact)
         native = resolve_target("native")[0].name if "native" in self.targets else ""
         return checked(
             VendorRequest(
@@ -59,9 +61,9 @@ class VendorOptions:
 
 @dataclass(frozen=True)
 class Vendored:
-    """The kernels that a folder holds, by target, and how many files were written."""
+    """The kernels that a folder holds, by impact and target, and how many files were written."""
 
-    kernels: Mapping[str, TargetKernels]
+    kernels: Chosen
     files: int
 
 
@@ -73,9 +75,12 @@ def vendor(options: VendorOptions, out: Path, session: Session | None = None) ->
     """
     session, request = session or Session(), options.checked()
     require_replaceable(out, edited_too=options.force)
-    chosen = {name: _kernels(request, name, options.seconds, session) for name in request.targets}
-    with session.workbench(impact=find_impact(request.impact)) as bench:
-        files = all_files(request, chosen, bench.tool)
+    chosen = {
+        part.impact: {t: _kernels(part, t, options.seconds, session) for t in part.targets}
+        for part in request.parts
+    }
+    with _tools(request.impact, session) as tools:
+        files = all_files(request, chosen, tools)
     with staged(out) as folder:
         write_files(folder, files)
     return Vendored(chosen, len(files))
@@ -87,9 +92,18 @@ def verify_vendored(folder: Path, session: Session | None = None) -> Comparison:
     Raises InputError where it is no vendored folder.
     """
     session = session or Session()
-    impact = find_impact(read_manifest(folder).options.impact)
-    with session.workbench(impact=impact) as bench:
-        return compare(folder, _places(session), bench.tool)
+    with _tools(read_manifest(folder).options.impact, session) as tools:
+        return compare(folder, _places(session), tools)
+
+
+@contextmanager
+def _tools(impacts: str, session: Session) -> Iterator[dict[str, BenchTool]]:
+    """What makes and answers cases of each impact."""
+    with ExitStack() as benches:
+        yield {
+            name: benches.enter_context(session.workbench(impact=find_impact(name))).tool
+            for name in impacts.split(",")
+        }
 
 
 def _places(session: Session) -> Places:
@@ -104,6 +118,5 @@ def _kernels(
     if (stored := stored_kernels(places, request, target)) is not None:
         return stored
     row, own = find_target(target), request.reproducible
-    impact = find_impact(request.impact)
-    with session.workbench(target=row, reproducible=own, impact=impact) as bench:
+    with session.workbench(target=row, reproducible=own, impact=request.row) as bench:
         return kernels_for(places, request, target, bench, read_host(), seconds)

@@ -18,9 +18,14 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.option("--target", help="CPUs with commas, as zen3,x86-64-v3; several get a dispatcher")
-@options.IMPACT
+@click.option(
+    "--impact",
+    default=options.USUAL_IMPACT,
+    show_default=True,
+    help="what collides, several with commas (list impacts)",
+)
 @options.SCENE
-@options.MODEL
+@click.option("--model", help="contact model, or one an impact with commas; default: the scene's")
 @options.MAX_ERROR
 @options.STEPS
 @click.option("--prefix", default="carom", show_default=True, help="what all names begin with")
@@ -55,10 +60,11 @@ def vendor(
     names = tuple(name.strip() for name in target.split(","))
     with session() as told:
         made = api.vendor(api.VendorOptions(names, **asked), out, told)
-    for name, kernels in made.kernels.items():
-        click.echo(f"{name}: {_line(kernels.single)}")
-        if kernels.batch is not None:
-            click.echo(f"{name}, batches: {_line(kernels.batch)}")
+    for of_impact in made.kernels.values():
+        for name, kernels in of_impact.items():
+            click.echo(f"{name}: {_line(kernels.single)}")
+            if kernels.batch is not None:
+                click.echo(f"{name}, batches: {_line(kernels.batch)}")
     click.echo(f"{made.files} files written: {out}/")
     return 0
 
@@ -66,7 +72,8 @@ def vendor(
 def _line(entry: Selected) -> str:
     error = "not verified here"
     if entry.max_rel_error is not None:
-        error = f"largest error seen {entry.max_rel_error:g} of the relative speed"
+        impact = entry.variant.question.row
+        error = f"largest error seen {entry.max_rel_error:g} of {impact.relative_to}"
     return f"{entry.kernel}, chosen by {entry.chosen_by} on {entry.measured_on}; {error}"
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..impacts.impact import Functions
 from ..lowering.isa import compiled_features
-from ..registry.question import find_impact, symbol_of
+from ..registry.question import symbol_of
 from ..targets.host import KNOWN_CPUS, KnownCpu
 from ..targets.target import Target, find_target, targets
 from .request import VendorRequest
@@ -70,18 +70,25 @@ class Exports:
 
 
 @dataclass(frozen=True)
-class Unit:
-    """The kernels of one target."""
+class Pair:
+    """The kernels of one target and impact."""
 
-    target: str
     single: Exports
     batch: Exports  # the same, or those of a kernel for batches alone
-    guard: str  # preprocessor condition of its architecture
-    needs: str  # an expression of the features' constants
 
     @property
     def kernels(self) -> tuple[Exports, ...]:
         return (self.single,) if self.single == self.batch else (self.single, self.batch)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """The kernels of one target."""
+
+    target: str
+    pairs: tuple[Pair, ...]  # one for each impact
+    guard: str  # preprocessor condition of its architecture
+    needs: str  # an expression of the features' constants
 
 
 @dataclass(frozen=True)
@@ -102,7 +109,7 @@ class DispatchContext:
     prefix: str
     upper: str
     fixed_step: bool
-    outer: Exports  # the functions that users call
+    outer: tuple[Exports, ...]  # the functions that users call, of each impact
     units: tuple[Unit, ...]
     features: tuple[Feature, ...]
     known: tuple[Preference, ...]
@@ -154,15 +161,20 @@ def is_mixed(names: Sequence[str]) -> bool:
 
 
 def dispatch_context(
-    request: VendorRequest, batches: frozenset[str] = frozenset()
+    request: VendorRequest, batches: Mapping[str, frozenset[str]] | None = None
 ) -> DispatchContext:
-    """Everything that the dispatcher's text shows. `batches`: targets with a kernel for batches."""
+    """Everything that the dispatcher's text shows.
 
-    abi = find_impact(request.impact).functions
+    `batches`: of each impact, the targets with a kernel for batches.
+    """
 
-    def functions(name: str, batch: bool) -> Exports:
-        symbol = f"{request.prefix}_{unit_of(name, batch)}"
-        return Exports(request.prefix, symbol, request.fixed_step, abi)
+    def functions(part: VendorRequest, name: str, batch: bool) -> Exports:
+        symbol = f"{request.prefix}_{unit_of(name, batch)}" if name else request.prefix
+        return Exports(request.prefix, symbol, request.fixed_step, part.row.functions)
+
+    def pair(part: VendorRequest, name: str) -> Pair:
+        apart = name in (batches or {}).get(part.impact, ())
+        return Pair(functions(part, name, False), functions(part, name, apart))
 
     order = preferred_order(request.targets)
     told_apart = {cpu.has for cpu in KNOWN_CPUS}
@@ -170,8 +182,7 @@ def dispatch_context(
     units = tuple(
         Unit(
             target=name,
-            single=functions(name, False),
-            batch=functions(name, name in batches),
+            pairs=tuple(pair(part, name) for part in request.parts),
             guard=guard_of(name),
             needs=_mask(feature for feature in used if feature in _needs(name)),
         )
@@ -181,7 +192,7 @@ def dispatch_context(
         prefix=request.prefix,
         upper=request.prefix.upper(),
         fixed_step=request.fixed_step,
-        outer=Exports(request.prefix, request.prefix, request.fixed_step, abi),
+        outer=tuple(functions(part, "", False) for part in request.parts),
         units=units,
         features=tuple(_feature(name) for name in used),
         known=tuple(p for cpu in KNOWN_CPUS if (p := _preference(cpu, order)) is not None),

@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..evidence.timing.bench_tool import BenchTool
 from .folder import HandChange, hand_changes
 from .golden import golden_rows
-from .kernels import Places, TargetKernels, stored_kernels
+from .kernels import Chosen, Places, TargetKernels, stored_kernels
 from .manifest import (
     FILE,
     Manifest,
@@ -36,29 +36,36 @@ class Comparison:
 
 
 def all_files(
-    request: VendorRequest, chosen: Mapping[str, TargetKernels], tool: BenchTool
+    request: VendorRequest, chosen: Chosen, tools: Mapping[str, BenchTool]
 ) -> dict[str, str]:
-    """Names and texts of all files, the manifest last."""
-    rows = golden_rows(tool, request.known_scene, request.model, request.goal)
+    """Names and texts of all files, the manifest last. `tools`: of each impact."""
+    rows = {
+        part.impact: golden_rows(tools[part.impact], part.known_scene, part.model, part.goal)
+        for part in request.parts
+    }
     files = package_files(request, chosen, rows)
-    kernels = {target: _record(request, target, chosen[target]) for target in request.targets}
-    manifest = make_manifest(request, kernels, len(rows), files)
+    kernels = tuple(
+        _record(part, target, chosen[part.impact][target])
+        for part in request.parts
+        for target in part.targets
+    )
+    manifest = make_manifest(request, kernels, sum(map(len, rows.values())), files)
     return {**files, FILE: manifest.text()}
 
 
-def _record(request: VendorRequest, target: str, chosen: TargetKernels) -> VendoredKernel:
-    header = f"{request.prefix}.h" if request.single_header else None
-    batch_file = header or unit_file(request, target, batch=True)
+def _record(part: VendorRequest, target: str, chosen: TargetKernels) -> VendoredKernel:
+    header = f"{part.prefix}.h" if part.single_header else None
+    batch_file = header or unit_file(part, target, batch=True)
     return VendoredKernel(
         target=target,
-        file=header or unit_file(request, target),
+        file=header or unit_file(part, target),
         record=chosen.single,
         batch_file=None if chosen.batch is None else batch_file,
         batch=chosen.batch,
     )
 
 
-def compare(folder: Path, places: Places, tool: BenchTool) -> Comparison:
+def compare(folder: Path, places: Places, tools: Mapping[str, BenchTool]) -> Comparison:
     """Unchanged, edited by hand, out of date, or both. InputError where it is no vendored folder.
 
     Out of date is judged by the manifest's record of each file, not by the files: so an edit does
@@ -68,7 +75,7 @@ def compare(folder: Path, places: Places, tool: BenchTool) -> Comparison:
     by_hand = hand_changes(folder, manifest)
     try:
         request = manifest.request()
-        files = all_files(request, manifest.chosen(), tool)
+        files = all_files(request, manifest.chosen(), tools)
         reasons = [*_other_choices(request, manifest, places), *_other_files(files, manifest)]
     except (InputError, ValueError, KeyError) as error:
         reasons = [f"cannot be made any more: {error}"]
@@ -78,14 +85,16 @@ def compare(folder: Path, places: Places, tool: BenchTool) -> Comparison:
 def _other_choices(request: VendorRequest, manifest: Manifest, places: Places) -> list[str]:
     """Targets for which another choice is stored by now."""
     lines = []
-    for target, chosen in manifest.chosen().items():
-        stored = stored_kernels(places, request, target)
-        if stored is None or stored == chosen:
-            continue
-        names = {k.kernel for k in (stored.single, stored.batch) if k is not None}
-        old = {k.kernel for k in (chosen.single, chosen.batch) if k is not None}
-        what = ", ".join(sorted(names - old)) or "the same with other figures, or no batch kernel"
-        lines.append(f"for {target} another choice is stored: {what}")
+    for part in request.parts:
+        for target, chosen in manifest.chosen()[part.impact].items():
+            stored = stored_kernels(places, part, target)
+            if stored is None or stored == chosen:
+                continue
+            names = {k.kernel for k in (stored.single, stored.batch) if k is not None}
+            old = {k.kernel for k in (chosen.single, chosen.batch) if k is not None}
+            other = ", ".join(sorted(names - old))
+            what = other or "the same with other figures, or no batch kernel"
+            lines.append(f"for {target} another choice is stored: {what}")
     return lines
 
 

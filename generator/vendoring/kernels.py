@@ -7,6 +7,7 @@ So the same request gives the same bytes again.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -52,6 +53,9 @@ class TargetKernels:
 
     single: Selected
     batch: Selected | None = None
+
+
+Chosen = Mapping[str, Mapping[str, TargetKernels]]  # by impact, then by target
 
 
 def stored_kernels(places: Places, request: VendorRequest, target: str) -> TargetKernels | None:

@@ -23,8 +23,8 @@ from ..emission.banner import LICENCE
 from ..errors import InputError
 from ..evidence.verification.evidence import evidence_of
 from ..evidence.verification.reference import load_reference
-from ..registry.question import DEFAULT_IMPACT, Goal, find_impact
-from .kernels import TargetKernels
+from ..registry.question import DEFAULT_IMPACT, Goal
+from .kernels import Chosen, TargetKernels
 from .request import VendorRequest, checked
 
 FILE = "manifest.json"
@@ -111,9 +111,13 @@ class Manifest(_Strict):
             )
         )
 
-    def chosen(self) -> dict[str, TargetKernels]:
-        """The kernels by target."""
-        return {k.target: TargetKernels(k.record, k.batch) for k in self.kernels}
+    def chosen(self) -> Chosen:
+        """The kernels by impact and target."""
+        found: dict[str, dict[str, TargetKernels]] = {}
+        for kernel in self.kernels:
+            of = found.setdefault(kernel.record.variant.question.impact, {})
+            of[kernel.target] = TargetKernels(kernel.record, kernel.batch)
+        return found
 
     def text(self) -> str:
         return json.dumps(self.model_dump(mode="json"), indent=2) + "\n"
@@ -130,7 +134,7 @@ def sha256_of(data: str | bytes) -> str:
 
 def make_manifest(
     request: VendorRequest,
-    kernels: Mapping[str, VendoredKernel],
+    kernels: tuple[VendoredKernel, ...],
     golden_cases: int,
     files: Mapping[str, str],
 ) -> Manifest:
@@ -152,7 +156,7 @@ def make_manifest(
             impact=request.impact,
         ),
         error=_error(request),
-        kernels=tuple(kernels[target] for target in request.targets),
+        kernels=kernels,
         golden_cases=golden_cases,
         files={name: sha256_of(text) for name, text in sorted(files.items())},
         sha256="",
@@ -161,7 +165,22 @@ def make_manifest(
 
 
 def _error(request: VendorRequest) -> ErrorBound:
-    evidence = evidence_of(find_impact(request.impact))
+    """Of one impact its own; of several what is said of each, by name."""
+    own = [_error_of(part) for part in request.parts]
+    if len(own) == 1:
+        return own[0]
+
+    def said(key: str) -> str:
+        told = zip(request.parts, own, strict=True)
+        return "; ".join(f"{part.impact}: {getattr(each, key)}" for part, each in told)
+
+    return ErrorBound(
+        bound=own[0].bound, of=said("of"), against=said("against"), found=said("found")
+    )
+
+
+def _error_of(request: VendorRequest) -> ErrorBound:
+    evidence = evidence_of(request.row)
     known = load_reference(evidence.reference)
     cases = f"{len(known.ids)} cases of tests/data/{evidence.reference.folder.name}"
     if not request.known_scene.unrestricted:
@@ -177,7 +196,7 @@ def _error(request: VendorRequest) -> ErrorBound:
         )
     return ErrorBound(
         bound=request.goal.budget,
-        of=f"{find_impact(request.impact).relative_to} before, each component of v and R w",
+        of=f"{request.row.relative_to} before, each component of v and R w",
         against="the exact solution of the contact model",
         found=f"verification on {seen} against the exact solver of tests/oracle; max_rel_error is "
         "the largest of them, a lower bound of the largest there is (docs/accuracy.md)",

@@ -28,11 +28,14 @@ _TAKEN = frozenset(_WORDS.split())
 
 @dataclass(frozen=True)
 class VendorRequest:
-    """Everything that decides a vendored folder but the stored figures and the sources."""
+    """Everything that decides a vendored folder but the stored figures and the sources.
+
+    A folder holds one impact or several: `impact` and `model` then are as many names with commas.
+    """
 
     targets: tuple[str, ...]  # names of targets.toml, as asked for; never `native`
     scene: str
-    model: str  # empty: the scene's own
+    model: str  # empty: the scenes' own
     goal: Goal
     prefix: str = "carom"
     single_header: bool = False
@@ -40,8 +43,20 @@ class VendorRequest:
     impact: str = DEFAULT_IMPACT
 
     @property
+    def parts(self) -> tuple[VendorRequest, ...]:
+        """The request of each impact alone."""
+        pairs = zip(self.impact.split(","), self.model.split(","), strict=True)
+        return tuple(replace(self, impact=impact, model=model) for impact, model in pairs)
+
+    @property
+    def row(self) -> Impact:
+        """Of a part: its impact."""
+        return find_impact(self.impact)
+
+    @property
     def known_scene(self) -> BaseScene:
-        return find_impact(self.impact).find_scene(self.scene)
+        """Of a part: its impact's scene."""
+        return self.row.find_scene(self.scene)
 
     @property
     def command(self) -> str:
@@ -85,14 +100,56 @@ def checked_targets(names: str, native: str) -> tuple[str, ...]:
 
 
 def checked(asked: VendorRequest) -> VendorRequest:
-    """A request with the scene's own model and budget where none is named.
+    """A request with the scenes' own models and budget where none is named.
 
     Raises InputError naming the option that cannot be.
     """
-    impact = find_impact(asked.impact)
-    known, goal = impact.find_scene(asked.scene), asked.goal
+    goal = asked.goal
     if goal.steps is not None and goal.budget is not None:
         raise InputError("--steps and --max-error exclude each other: name one of them")
+    impacts = _names(asked.impact)
+    models = _models(asked.model, impacts)
+    parts = [
+        _checked_part(replace(asked, impact=impact, model=model))
+        for impact, model in zip(impacts, models, strict=True)
+    ]
+    budgets = {part.goal.budget for part in parts}
+    if len(budgets) > 1:
+        raise InputError(
+            f"--scene {asked.scene}: the impacts' scenes have budgets of their own; name one for "
+            "all by --max-error"
+        )
+    prefix, models = checked_prefix(asked.prefix), [part.model for part in parts]
+    whole = replace(asked, impact=",".join(impacts), model=",".join(models), prefix=prefix)
+    return replace(whole, goal=parts[0].goal)
+
+
+def _names(impacts: str) -> list[str]:
+    names = [name.strip() for name in impacts.split(",")]
+    for name in names:
+        find_impact(name)
+        if names.count(name) > 1:
+            raise InputError(f"--impact {impacts}: {name} twice; expected each impact once")
+    return names
+
+
+def _models(asked: str, impacts: list[str]) -> list[str]:
+    """A model for each impact: one name is that of all."""
+    models = [name.strip() for name in asked.split(",")]
+    if len(models) == 1:
+        return models * len(impacts)
+    if len(models) != len(impacts):
+        raise InputError(
+            f"--model {asked}: {len(models)} models; expected one, or one for each of "
+            f"{', '.join(impacts)} in that order"
+        )
+    return models
+
+
+def _checked_part(asked: VendorRequest) -> VendorRequest:
+    """The request of one impact, with the scene's model and budget where none is named."""
+    impact, goal = asked.row, asked.goal
+    known = impact.find_scene(asked.scene)
     if goal.steps is None:
         budget = goal.budget if goal.budget is not None else known.max_error
         goal = Goal(budget=budget)
@@ -102,8 +159,7 @@ def checked(asked: VendorRequest) -> VendorRequest:
         raise InputError(f"--steps: scene {asked.scene} has no fixed-step scheme; use --max-error")
     if asked.reproducible:
         _require_reproducible(asked.targets, impact, known)
-    model = impact.find_model(asked.model or known.model).name
-    return replace(asked, model=model, goal=goal, prefix=checked_prefix(asked.prefix))
+    return replace(asked, model=impact.find_model(asked.model or known.model).name, goal=goal)
 
 
 def _require_reproducible(targets: tuple[str, ...], impact: Impact, scene: BaseScene) -> None:

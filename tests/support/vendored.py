@@ -8,7 +8,9 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
+from generator.choice import candidates
 from generator.choice.selection import Selected
+from generator.evidence.timing.bench_tool import BenchTool, build_bench_tool
 from generator.registry.lanes import widths_of
 from generator.registry.question import Goal
 from generator.targets.target import find_target
@@ -16,8 +18,7 @@ from generator.vendoring.folder import write_files
 from generator.vendoring.job import all_files
 from generator.vendoring.kernels import TargetKernels
 from generator.vendoring.request import VendorRequest, checked
-from tests.support.contests import default_kernel
-from tests.support.kernels import bench_tool
+from tests.support.kernels import ROOT
 
 EXACT = Goal(budget=1e-6)
 STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
@@ -37,7 +38,8 @@ def request_for(targets: str, goal: Goal = EXACT, **options: object) -> VendorRe
 def record_for(request: VendorRequest, target: str, width: int = 1) -> Selected:
     """A kernel as if it had been chosen: what stands in a selection, without its hours."""
     goal = request.goal
-    variant = default_kernel(find_target(target), request.scene, request.model, goal)
+    asked = (find_target(target), request.scene, request.model, goal, request.impact)
+    variant = candidates.default_kernel(candidates.contest_for(*asked))
     # Of fixed steps one Newton step turns too many at the end where estimates are their worst.
     lanes = {"lane_root": "cubic"} if width > 1 and goal.steps is not None else {}
     if request.reproducible:
@@ -61,13 +63,26 @@ def record_for(request: VendorRequest, target: str, width: int = 1) -> Selected:
 @cache
 def files_for(request: VendorRequest, lanes: bool = False) -> dict[str, str]:
     """All files of a request; made once a process. `lanes`: with a kernel for batches each."""
+    chosen = {part.impact: _chosen(part, lanes) for part in request.parts}
+    return all_files(request, chosen, tools_for(request))
+
+
+def tools_for(request: VendorRequest) -> dict[str, BenchTool]:
+    """What answers golden cases, of each impact."""
+    return {
+        part.impact: build_bench_tool(ROOT / "build" / "bench-tool", impact=part.row)
+        for part in request.parts
+    }
+
+
+def _chosen(part: VendorRequest, lanes: bool) -> dict[str, TargetKernels]:
     chosen = {}
-    for target in request.targets:
+    for target in part.targets:
         batch = None
-        if lanes:
-            batch = record_for(request, target, max(widths_of(find_target(target))))
-        chosen[target] = TargetKernels(record_for(request, target), batch)
-    return all_files(request, chosen, bench_tool())
+        if lanes and not part.known_scene.without_exact_lanes:
+            batch = record_for(part, target, max(widths_of(find_target(target))))
+        chosen[target] = TargetKernels(record_for(part, target), batch)
+    return chosen
 
 
 def vendored(folder: Path, request: VendorRequest, lanes: bool = False) -> Path:

@@ -22,7 +22,7 @@ from generator.files import write_file
 from generator.impacts.ball_ball.evidence.measure import errors_of
 from generator.impacts.ball_ball.scene import find_scene
 from generator.lowering.isa import compiled_features
-from generator.registry.question import Goal
+from generator.registry.question import DEFAULT_IMPACT, Goal
 from generator.targets.host import KNOWN_CPUS, read_host
 from generator.targets.target import targets
 from generator.toolchain.compilers import find_compilers
@@ -240,7 +240,7 @@ def test_a_folder_is_replaced_whole(in_one_step, tmp_path, monkeypatch) -> None:
 
 def test_verify_says_unchanged(tmp_path) -> None:
     made = vendored(tmp_path / "carom", request_for(TARGETS, STEPS))
-    found = compare(made, nowhere(tmp_path), bench_tool())
+    found = compare(made, nowhere(tmp_path), {DEFAULT_IMPACT: bench_tool()})
     assert found.unchanged, found
 
 
@@ -256,7 +256,7 @@ def test_verify_says_edited_by_hand(what, tmp_path) -> None:
     else:
         text = (made / FILE).read_text()
         (made / FILE).write_text(text.replace('"bound": 1e-06', '"bound": 1e-09'))
-    found = compare(made, nowhere(tmp_path), bench_tool())
+    found = compare(made, nowhere(tmp_path), {DEFAULT_IMPACT: bench_tool()})
     print(found.by_hand)
     names = {"edited": "carom_zen3.cpp", "missing": "LICENSE", "added": "notes.txt"}
     assert [change.name for change in found.by_hand] == [names.get(what, FILE)]
@@ -267,7 +267,7 @@ def test_verify_says_edited_by_hand(what, tmp_path) -> None:
 def test_verify_says_out_of_date_where_the_sources_have_changed(tmp_path, monkeypatch) -> None:
     made = vendored(tmp_path / "carom", request_for(TARGETS, STEPS))
     monkeypatch.setattr(package, "STRICT", ("-O1",))
-    found = compare(made, nowhere(tmp_path), bench_tool())
+    found = compare(made, nowhere(tmp_path), {DEFAULT_IMPACT: bench_tool()})
     print(found.outdated)
     assert found.by_hand == () and found.outdated == ("CMakeLists.txt: out of date",)
 
@@ -286,7 +286,7 @@ def test_verify_says_out_of_date_where_another_kernel_is_chosen_by_now(tmp_path)
             places.cache / "ball-ball" / "zen3" / "any" / SELECTION, chosen.text(), parents=True
         )
         assert stored_kernels(places, request, "zen3") == TargetKernels(entry)
-        found = compare(made, places, bench_tool())
+        found = compare(made, places, {DEFAULT_IMPACT: bench_tool()})
         print(found.outdated)
         assert found.by_hand == () and len(found.outdated) == reasons
 
@@ -306,7 +306,7 @@ def test_a_stored_choice_for_batches_is_vendored_beside_that_for_single_calls(tm
     write_file(places.cache / "ball-ball" / "zen3" / "any" / SELECTION, stored.text(), parents=True)
     assert stored_kernels(places, request, "zen3") == TargetKernels(single, wide[1])
     made = vendored(tmp_path / "carom", request)
-    found = compare(made, places, bench_tool())
+    found = compare(made, places, {DEFAULT_IMPACT: bench_tool()})
     print(found.outdated)
     assert wide[1].kernel in found.outdated[0]
 
