@@ -145,4 +145,4 @@ def test_the_page_has_the_constants_of_the_code() -> None:
     page = (ROOT / "docs" / "fixed-tiers.md").read_text("utf-8")
     bound = bound_for(MODELS[[m.name for m in MODELS].index("mathavan2014")].terms, 1e-6)
     assert f"< {bound.error:g}".replace("e-0", "e-") in page
-    assert [tier.steps for tier in bound.tiers] == [0, 1, 2]
+    assert [tier.steps for tier in bound.tiers] == [0, 1, 2, 4]

@@ -14,7 +14,10 @@ from ...terms import ContactTerms
 
 @dataclass(frozen=True)
 class Term:
-    """weight * factor * reach^(3 reach) * near^(3 near), over the impulse of friction."""
+    """weight * factor * reach^(3 reach) * near^(3 near), over the impulse of friction.
+
+    In tiers of several steps a phase both are those of the worst step, not of all the way.
+    """
 
     weight: float
     reach: int = 0  # of the way to sticking
@@ -31,6 +34,11 @@ class Tier:
     most_way: float  # of the way to sticking that the collision goes
     most_near: float  # 1 where table slip passes zero
     work: float = 0.0  # weight of the error of J_c, times (1 - e^2) / e and near^4
+
+    @property
+    def by_step(self) -> bool:
+        """Are reach and near those of its worst step?"""
+        return self.steps > 1
 
 
 @dataclass(frozen=True)
@@ -81,12 +89,30 @@ _ONE_A_PHASE = Tier(
 )
 _TWO_A_PHASE = Tier(
     steps=2,
-    terms=(Term(0.0042, reach=4, turning=True), Term(2e-4, near=2), Term(0.015, near=4)),
-    most_way=0.93,
-    most_near=0.9,
+    terms=(
+        Term(0.00302, reach=2, turning=True),
+        Term(0.0184, reach=3, turning=True),
+        Term(0.0218, reach=2),
+        Term(0.0902, reach=3),
+        Term(0.406, near=2),
+    ),
+    most_way=0.96,
+    most_near=0.93,
+)
+_FOUR_A_PHASE = Tier(
+    steps=4,
+    terms=(
+        Term(0.00221, reach=2, turning=True),
+        Term(0.0522, reach=4, turning=True),
+        Term(0.0803, reach=3),
+        Term(0.00924, near=1),
+        Term(0.718, near=2),
+    ),
+    most_way=0.985,
+    most_near=0.97,
 )
 
-_FOR_1E6 = Bound(2.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE))
+_FOR_1E6 = Bound(2.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE, _FOUR_A_PHASE))
 
 _ROWS: tuple[_Row, ...] = (
     _Row(ContactTerms("bottom", lift=True), 1e-6, _FOR_1E6),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 
 from .....lowering.lane_algebra import (
     Fields,
@@ -13,6 +14,7 @@ from .....lowering.lane_algebra import (
     constant,
     fma,
     given,
+    larger,
     mask,
     number,
     rough_inverse,
@@ -22,7 +24,7 @@ from .....lowering.lane_algebra import (
 )
 from ..exact.lengths import times
 from ..exact.pressed import Pressed
-from .bounds import Bound, Term
+from .bounds import Bound, Term, Tier
 from .whole import PRINTER, Text
 
 TINY = constant("kTinySquare")
@@ -31,16 +33,14 @@ SETS_OFF = 1e-6  # of it: where the table slip is put that was none, on the way 
 
 
 def certificate(bound: Bound, pressed: Pressed) -> Text:
-    """Whether fixed steps do (`tier0`, ...), a step h over all, and the slips to start from."""
+    """Whether one step does (`tier0`), a step h over all, and the slips to start from."""
     lines = Lines(PRINTER)
-    c_x, c_z = number("slips.c_x"), number("slips.c_z")
     v, u_b, u_s, end = number("approach_1"), number("u_b"), number("u_s"), Fields("end")
-    per_c = lines.number("per_c", rough_rsqrt(fma(c_x, c_x, fma(c_z, c_z, TINY))))
-    n_z = lines.number("n_z", -c_z * per_c)
+    per_c, n_z = _direction(lines)
     push = lines.number("push", u_b * n_z)
     phi = lines.number("phi", u_s * push, "table friction per unit of q")
     q = lines.number("q", end.half * v, "the normal impulse, but for table friction")
-    b_x = lines.number("b_x", given(pressed.recoil) * u_b * (c_x * per_c))
+    b_x = lines.number("b_x", given(pressed.recoil) * u_b * (number("slips.c_x") * per_c))
     b_y = lines.number("b_y", fma(given(pressed.k_b), push, given(pressed.drive)))
     _set_off(lines, b_x, b_y)
     at = Fields("at")
@@ -57,17 +57,14 @@ def certificate(bound: Bound, pressed: Pressed) -> Text:
     share = fma(end.bend * mean, mean, fma(-end.first, f_0, fma(-end.last, f_1, end.half)))
     lines.number("h", share * v)
     lines.remark("How near sticking, and a passage of the table slip by zero, come to the step")
-    most = max(float(pressed.k_x), float(pressed.k_z))
-    fall = fma(given(pressed.k_zt) * u_s, n_z, most)
-    way = lines.number("way", fall * u_b * q * per_c)
-    part = lines.number("part", smaller(way, 1))
-    lines.number("reach", part * rough_inverse(2 - part))
+    _way(lines, pressed, per_c, n_z)
     n_b = lines.number("n_b", fma(b_x, b_x, b_y * b_y))
     per_b = lines.number("per_b", rough_rsqrt(n_b))
     whole = fma(n_0, per_0, n_1 * per_1)
     near_0 = lines.number("near_0", n_b * per_b * q * rough_inverse(whole))
     lines.number("near", select(mask("rests"), 0, near_0))
-    _known(lines, bound, pressed)
+    _weighed_by(lines, bound, pressed)
+    _tier(lines, bound, 0, "")
     return lines.part()
 
 
@@ -83,35 +80,90 @@ def _set_off(lines: Lines, b_x: Number, b_y: Number) -> None:
     lines.set(at.s_y, select(rests, little * b_y, s_y))
 
 
-def _known(lines: Lines, bound: Bound, pressed: Pressed) -> None:
-    """A mask `tier<n>` for each tier: would it be exact enough?"""
-    per_c, near_3 = number("per_c"), number("near_3")
+def further(bound: Bound, pressed: Pressed) -> Text:
+    """Of collisions that the first tier is not for: a mask for each of the others.
+
+    From `slips`, `approach_1`, `u_b`, `u_s`, `near` and `relative`, as `certificate` has them.
+    """
+    lines = Lines(PRINTER)
+    per_c, n_z = _direction(lines)
+    lines.number("push", number("u_b") * n_z)
+    lines.number("q", number("end.half") * number("approach_1"))
+    _way(lines, pressed, per_c, n_z)
+    lines.number("beyond", 1 - number("part"))
+    _weighed_by(lines, bound, pressed)
+    for i, tier in enumerate(bound.tiers[1:], 1):
+        _tier(lines, bound, i, "" if not tier.by_step else _in_steps(lines, tier))
+    return lines.part()
+
+
+def _direction(lines: Lines) -> tuple[Number, Number]:
+    """1 / |c|, and the share of c that presses the ball."""
+    c_x, c_z = number("slips.c_x"), number("slips.c_z")
+    per_c = lines.number("per_c", rough_rsqrt(fma(c_x, c_x, fma(c_z, c_z, TINY))))
+    return per_c, lines.number("n_z", -c_z * per_c)
+
+
+def _way(lines: Lines, pressed: Pressed, per_c: Number, n_z: Number) -> None:
+    """How far the collision goes to sticking, and how near that comes to one step over all."""
+    most = max(float(pressed.k_x), float(pressed.k_z))
+    fall = fma(given(pressed.k_zt) * number("u_s"), n_z, most)
+    way = lines.number("way", fall * number("u_b") * number("q") * per_c)
+    part = lines.number("part", smaller(way, 1))
+    lines.number("reach", part * rough_inverse(2 - part))
+
+
+def _weighed_by(lines: Lines, bound: Bound, pressed: Pressed) -> None:
+    """What the certificates of all tiers are made of."""
     lines.number("reach_3", _cube(number("reach")))
     lines.number("near_3", _cube(number("near")))
-    lines.number("n_x", times(pressed.k_x - pressed.k_z, absolute(number("slips.c_x"))) * per_c)
-    rubbed = number("u_s") * number("u_b") <= bound.most_friction
+    across = times(pressed.k_x - pressed.k_z, absolute(number("slips.c_x")))
+    lines.number("n_x", across * number("per_c"))
+    lines.mask("rubbed", number("u_s") * number("u_b") <= bound.most_friction)
     lines.number("room", bound.error * number("relative"))
-    scale = lines.number("rubs", number("push") * number("q"))
-    for i, tier in enumerate(bound.tiers):
-        rub = _total(lines, f"passes{i}", [t for t in tier.terms if not t.turning])
-        if tier.work:
-            rub = fma(number("end.work") * number("near"), near_3, rub)
-        turn = _total(lines, f"turns{i}", [t for t in tier.terms if t.turning])
-        off = lines.number(f"off{i}", scale * fma(number("u_s"), rub, number("n_x") * turn))
-        within = both(number("way") < tier.most_way, number("near") < tier.most_near)
-        lines.mask(f"tier{i}", both(both(within, rubbed), off < number("room")))
+    lines.number("rubs", number("push") * number("q"))
+
+
+def _in_steps(lines: Lines, tier: Tier) -> str:
+    """Reach and near of the worst of a tier's steps; what their names end with.
+
+    The last step ends where the way does. The passage counts as in the middle of a step, the worst
+    place: 1/near^2 - 1 is the square of what it misses zero by, over half of the step.
+    """
+    name, part, near = str(tier.steps), number("part"), number("near")
+    edge = lines.number(f"edge{name}", Fraction(1, 4 * tier.steps) * part)
+    reach = lines.number(f"reach{name}", edge * rough_inverse(edge + number("beyond")))
+    square = lines.number(f"square{name}", near * near)
+    miss = fma((2 * tier.steps) ** 2, larger(1 - square, 0), square)
+    passes = lines.number(f"near{name}", near * rough_rsqrt(miss))
+    lines.number(f"reach{name}_3", _cube(reach))
+    lines.number(f"near{name}_3", _cube(passes))
+    return name
+
+
+def _tier(lines: Lines, bound: Bound, i: int, steps: str) -> None:
+    """A mask `tier<i>`: would it be exact enough? `steps`: what names of its step end with."""
+    tier = bound.tiers[i]
+    rub = _total(lines, f"passes{i}", steps, [t for t in tier.terms if not t.turning])
+    if tier.work:
+        rub = fma(number("end.work") * number("near"), number("near_3"), rub)
+    turn = _total(lines, f"turns{i}", steps, [t for t in tier.terms if t.turning])
+    weighed = fma(number("u_s"), rub, number("n_x") * turn)
+    off = lines.number(f"off{i}", number("rubs") * weighed)
+    within = both(number("way") < tier.most_way, number("near") < tier.most_near)
+    lines.mask(f"tier{i}", both(both(within, mask("rubbed")), off < number("room")))
 
 
 def _cube(x: Number) -> Number:
     return x * x * x
 
 
-def _total(lines: Lines, name: str, terms: Sequence[Term]) -> Number:
+def _total(lines: Lines, name: str, steps: str, terms: Sequence[Term]) -> Number:
     """A polynomial of reach^3 and near^3; small powers are made once."""
     total: Number | None = None
     for term in terms:
-        product = _power(lines, "reach", term.reach)
-        other = _power(lines, "near", term.near)
+        product = _power(f"reach{steps}", term.reach)
+        other = _power(f"near{steps}", term.near)
         factors = [f for f in (product, other) if f is not None]
         value = factors[0] if len(factors) == 1 else factors[0] * factors[1]
         total = term.weight * value if total is None else fma(term.weight, value, total)
@@ -120,7 +172,7 @@ def _total(lines: Lines, name: str, terms: Sequence[Term]) -> Number:
     return lines.number(name, total)
 
 
-def _power(lines: Lines, of: str, cubes: int) -> Number | None:
+def _power(of: str, cubes: int) -> Number | None:
     """of^(3 cubes), from the names that are there."""
     cube = number(f"{of}_3")
     return {0: None, 1: cube, 2: cube * cube, 3: cube * cube * cube}.get(

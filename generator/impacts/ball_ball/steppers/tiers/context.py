@@ -9,7 +9,7 @@ from ...masses import EQUAL, pressed_changes
 from ...terms import ContactTerms
 from ..exact.pressed import Pressed
 from .bounds import Bound, bound_for
-from .certificate import certificate
+from .certificate import certificate, further
 from .frame import changed, differences, entering, leaving, sizes
 from .whole import Text, advance, end, end_weights, finish, stage, turn
 
@@ -24,7 +24,8 @@ class TierContext:
     differences: tuple[tuple[str, str], ...]  # what is made in doubles, by name
     sizes: tuple[tuple[str, str], ...]
     entering: Text
-    certificate: Text
+    certificate: Text  # of the first tier
+    further: Text  # of the others
     stages: tuple[Text, ...]  # after the first
     powers: tuple[int, ...]  # the stages whose work counts
     end: Text
@@ -60,6 +61,7 @@ def tier_context(terms: ContactTerms, budget: float) -> TierContext:
         sizes=sizes(),
         entering=entering(terms),
         certificate=certificate(bound, pressed),
+        further=further(bound, pressed),
         stages=tuple(stage(tableau, pressed, i) for i in range(1, tableau.stages)),
         powers=tuple(i for i, weight in enumerate(tableau.b) if weight),
         end=end(tableau, pressed),
