@@ -55,6 +55,20 @@ def test_the_readme_is_short_and_shows_the_summary_of_the_measurements() -> None
     assert not re.findall(r"\d(?:\.\d+)? (?:ns|us|ms|MB|%)(?!\w)", rest), "figures of their own"
 
 
+FIGURE = re.compile(r"\b\d\.\d+e-?\d+\b|\b\d+(?:\.\d+)? (?:ns|us|MB)(?!\w)|\b\d+,(?!000)\d{3}\b")
+
+
+def test_no_measured_figure_stands_on_two_pages() -> None:
+    """Times, sizes, errors and counts; the README's summary is that of the measurements."""
+    found: dict[str, set[str]] = {}
+    for page in (ROOT / "docs").glob("*.md"):
+        for figure in FIGURE.findall(_without_code(page.read_text("utf-8"))):
+            found.setdefault(figure, set()).add(page.name)
+    print(f"{len(found)} figures")
+    twice = {figure: sorted(pages) for figure, pages in found.items() if len(pages) > 1}
+    assert not twice
+
+
 def test_the_reference_is_made_of_the_sources() -> None:
     """The header, the typed header, the stub and the types of JavaScript."""
     made = reference_page.page()
