@@ -69,7 +69,7 @@ class Row:
 def rows_for(model: str, budgets: list[float]) -> list[Row]:
     asked = [(budget, compiler) for budget in budgets for compiler in COMPILERS]
     libraries = build_all(
-        [cushion_variant(model=model, budget=b, stepper="dp54", compiler=c) for b, c in asked]
+        [cushion_variant(model=model, budget=b, stepper="series", compiler=c) for b, c in asked]
     )
     rows = []
     for (budget, compiler), library in zip(asked, libraries, strict=True):

@@ -151,6 +151,7 @@ class Impact:
     words: Callable[[], Words] = field(repr=False)
     sensitivity: Callable[[str], Sensitivity] = field(repr=False)  # of a contact model
     axes: frozenset[str] | None = None  # the options that its kernels have; None: all there are
+    has_series: bool = False  # do its kernels know power series of the motion?
 
     def part(self, room: str) -> Any:
         """The module of that name in its folder: what it gives to a room above this one.

@@ -15,7 +15,8 @@ from ..tableaus.tableaus import TABLEAUS
 from .axes import axis
 from .question import Family
 
-FIXED = "fixed"  # the stepper of fixed steps; all others are tableaus
+FIXED = "fixed"  # the stepper of fixed steps
+SERIES = "series"  # that of power series; all others are tableaus
 HIDDEN = ("compiler", "flags")  # what only the compiler sees
 _EXPLICIT = "lane_root"
 
@@ -51,8 +52,9 @@ def family_of(stepper: str) -> Family:
 def read_recipe(text: str) -> tuple[str, dict[str, str]]:
     """A stepper and what is written of its options. Raises ValueError where a word is wrong."""
     stepper, *words = text.split() or [""]
-    if stepper != FIXED and stepper not in TABLEAUS:
-        raise ValueError(f"'{stepper}' is no stepper; there are {FIXED}, {', '.join(TABLEAUS)}")
+    steppers = (FIXED, SERIES, *TABLEAUS)
+    if stepper not in steppers:
+        raise ValueError(f"'{stepper}' is no stepper; there are {', '.join(steppers)}")
     options: dict[str, str] = {}
     for word in words:
         key, is_pair, code = word.partition("=")

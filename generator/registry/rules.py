@@ -9,6 +9,7 @@ from ..tableaus.tableaus import TABLEAUS
 from ..targets.target import Target
 from .lane_numbers import precision_of, steps_in_doubles
 from .lanes import widths_of
+from .recipe import SERIES
 from .roots import EXACT_ROOTS, allows, allows_floats
 from .tiers import has_bound, takes_fixed_steps, takes_tiers
 from .variant import Variant
@@ -66,7 +67,8 @@ _STEP_VECTORS, _VECTORS_A_WEIGHT = 700, 17
 
 def unoptimised_stack(v: Variant) -> int:
     """Bytes that the largest function of exact lanes takes of the stack, unoptimised; at most."""
-    if v.width == 1 or v.stepper.family != "exact" or _closed(v) or v.paired:
+    plain = v.stepper.family != "exact" or v.stepper.name == SERIES
+    if v.width == 1 or plain or _closed(v) or v.paired:
         return 0
     tableau = TABLEAUS[v.stepper.name]
     weights = sum(bool(weight) for row in (*tableau.rows, *tableau.dense) for weight in row)
@@ -75,6 +77,11 @@ def unoptimised_stack(v: Variant) -> int:
 
 
 RULES: tuple[Rule, ...] = (
+    Rule(
+        "series-needs-equations",
+        "this impact has no power series",
+        lambda v, _t: v.stepper.name == SERIES and not v.question.row.has_series,
+    ),
     Rule(
         "fma-needs-hardware",
         "the target has no fused multiply-add, and a library call for each would be slow",

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from generator.errors import KernelError
+from generator.impacts.ball_cushion.kernels.exact import STEPPERS
 from tests.support.cushion import (
     CushionFunction,
     cushion_variant,
@@ -25,9 +26,11 @@ POOL = (0.028575, 0.170097, 0.2, 0.2, 0.85, 1.28 * 0.028575)
 
 
 @cache
-def kernel(model: str, budget: float, compiler: str = "gcc") -> CushionFunction:
+def kernel(
+    model: str, budget: float, compiler: str = "gcc", stepper: str = "series"
+) -> CushionFunction:
     asked = cushion_variant(
-        model=model, budget=budget, stepper="dp54", compiler=compiler, fma="fma"
+        model=model, budget=budget, stepper=stepper, compiler=compiler, fma="fma"
     )
     library = build_all([asked])[0]
     if isinstance(library, KernelError):
@@ -57,11 +60,14 @@ def one(row: np.ndarray, model: str = "clamped", budget: float = 1e-9) -> np.nda
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize("budget", BUDGETS)
 @pytest.mark.parametrize("model", ["clamped", "printed"])
-def test_errors_keep_to_the_budget(model: str, budget: float, compiler: str) -> None:
-    found, status = kernel(model, budget, compiler)(CASES.rows)
+@pytest.mark.parametrize("stepper", STEPPERS)
+def test_errors_keep_to_the_budget(stepper: str, model: str, budget: float, compiler: str) -> None:
+    found, status = kernel(model, budget, compiler, stepper)(CASES.rows)
     off = errors(found, wanted(model), CASES) / budget
     worst = int(np.argmax(off))
-    print(model, f"{budget:g}: {off[worst]:.3g} of it,", CASES.kinds[worst], CASES.ids[worst])
+    print(
+        stepper, model, f"{budget:g}: {off[worst]:.3g} of it,", CASES.kinds[worst], CASES.ids[worst]
+    )
     assert (status == 0).all()
     assert off.max() <= 1
 

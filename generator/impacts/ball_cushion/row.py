@@ -46,4 +46,5 @@ BALL_CUSHION = Impact(
     words=_words,
     sensitivity=_sensitivity,
     axes=frozenset({"fma", "compiler", "flags"}),
+    has_series=True,
 )

@@ -11,7 +11,6 @@ from ..scene import Scene
 from .context import CushionContext
 from .exact import exact_method, exact_stepper
 from .fixed import fixed_step_method, fixed_step_parts
-from .forms import exact_parts
 
 # Options that these kernels have; all others only at their default.
 _OPTIONS = ("fma", "compiler", "flags")
@@ -63,7 +62,7 @@ def _exact(head: KernelHead, scene: Scene) -> CushionContext:
         raise InputError(f"--max-error: model {variant.model} has fixed steps alone; name --steps")
     budget = variant.stepper.budget or 0.0
     scene.require_budget(budget)
-    stepper = exact_stepper(variant.stepper.name, budget, exact_parts(head.places_fma))
+    stepper = exact_stepper(variant.stepper.name, budget, head.places_fma)
     return CushionContext(
         **{**vars(head), "scene": scene},
         body="ball_cushion/exact.j2",

@@ -12,16 +12,19 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from ....lowering.printer import decimal_product, number
+from ....registry.recipe import SERIES
 from ....tableaus.tableau import Row, Tableau
 from ....tableaus.tableaus import TABLEAUS
 from .. import symbols as s
 from ..reduced import slip_rates
-from .forms import ExactParts
+from .forms import ExactParts, exact_parts
+from .series import Series, series_for
 
 # Bits of x^(-1/5): those of 1 times 6/5, less a fifth of those of x; the shift halves the error.
 _ROOT_SHIFT = sp.Rational(45, 1000)
 _ROOT_OFFSET = int(sp.Rational(6, 5) * (1023 - _ROOT_SHIFT) * 2**52)
-STEPPERS = ("dp54",)  # with an interpolant of one term, on which events are met
+SERIES_STEPS = "dp54"  # with an interpolant of one term, on which events are met
+STEPPERS = (SERIES, SERIES_STEPS)
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,7 @@ class ExactStepper:
     error: Sum
     bend: Sum  # the interpolant's term beyond the cubic
     table_rate: str  # of the table's slip per its friction
+    series: Series | None = None  # where steps only go on where the series do not hold
     huge: str = "1e300"
     tiny_square: str = "1e-300"
     gauss_point: str = number(sp.sqrt(sp.Rational(3, 5)) / 2)
@@ -121,20 +125,21 @@ class ExactStepper:
         return decimal_product(of_budget, self.budget)
 
 
-def exact_stepper(name: str, budget: float, parts: ExactParts) -> ExactStepper:
+def exact_stepper(name: str, budget: float, place_fma: bool) -> ExactStepper:
     """Raises ValueError where there is no such stepper of the cushion."""
     if name not in STEPPERS:
         raise ValueError(f"ball-cushion has no stepper {name}; there is {', '.join(STEPPERS)}")
-    tableau = TABLEAUS[name]
+    tableau = TABLEAUS[SERIES_STEPS]
     return ExactStepper(
         tableau=tableau,
         budget=budget,
         control=control_for(budget),
-        parts=parts,
+        parts=exact_parts(place_fma),
         stages=tuple(_sum(row) for row in tableau.a[1:]),
         error=_sum(tableau.error),
         bend=_sum(tableau.dense[0]),
         table_rate=number(slip_rates()[s.S_X].coeff(s.T_X)),
+        series=series_for(budget, place_fma) if name == SERIES else None,
     )
 
 
@@ -146,10 +151,12 @@ def _sum(weights: Row) -> Sum:
 
 def exact_method(stepper: ExactStepper) -> tuple[str, ...]:
     """What the contract says of the stepper."""
-    counts = stepper.parts.step_counts
+    counts, series = stepper.parts.step_counts, stepper.series
+    steps = f"adaptive {stepper.tableau.name} in the normal impulse, order {stepper.tableau.order}"
+    if series:
+        steps = f"power series in the normal impulse, order {series.order}, else {steps}"
     return (
-        f"Stepper: adaptive {stepper.tableau.name} in the normal impulse, order "
-        f"{stepper.tableau.order}; sticking, release, a lifted table contact and the ends are met "
+        f"Stepper: {steps}; sticking, release, a lifted table contact and the ends are met "
         f"as events. Error against the exact solution at most {stepper.budget:g} of the speed, "
         "each of v and R w, as far as verification has seen.",
         f"Operations of one evaluation of the rates: {counts.describe()} ({counts.flops} flops), "
