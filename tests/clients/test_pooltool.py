@@ -32,8 +32,9 @@ def environment() -> Path:
             shutil.rmtree(folder, ignore_errors=True)
             run([sys.executable, "-m", "venv", folder])
             pip = [folder / "bin" / "pip", "install", "-q", "--no-input", "--no-deps"]
+            pip += ["--no-compile", "--disable-pip-version-check"]  # few of its modules are used
             try:
-                run([*pip, "--disable-pip-version-check", "-r", REQUIREMENTS], timeout=400)
+                run([*pip, "-r", REQUIREMENTS], timeout=1500)
             except (AssertionError, subprocess.TimeoutExpired) as error:
                 lines = str(error).splitlines()
                 reason = next((line for line in lines if "ERROR" in line), lines[0])
@@ -53,7 +54,7 @@ def other_release() -> Path:
         if not folder.is_dir():
             command = [python, "-m", "pip", "install", "-q", "--no-input", "--no-deps", "--target"]
             try:
-                run([*command, folder, f"pooltool-billiards=={OTHER}"], timeout=200)
+                run([*command, folder, f"pooltool-billiards=={OTHER}"], timeout=1500)
             except (AssertionError, subprocess.TimeoutExpired) as error:
                 shutil.rmtree(folder, ignore_errors=True)
                 pytest.skip(f"pooltool {OTHER} cannot be installed here: {error}")

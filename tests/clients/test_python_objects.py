@@ -82,7 +82,7 @@ def test_kernels_and_parameters_go_through_a_process_pool(tmp_path) -> None:
     script = tmp_path / "pool.py"
     script.write_text(POOL)
     libraries = [path for path in sys.path if path.endswith("site-packages")]
-    assert run([sys.executable, script, site(), *libraries], timeout=120).strip() == "True"
+    assert run([sys.executable, script, site(), *libraries], timeout=900).strip() == "True"
 
 
 # ---- what is installed -----------------------------------------------------------------------

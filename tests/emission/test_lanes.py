@@ -72,9 +72,9 @@ def _write(folder: Path, target: str, lanes: LaneContext) -> None:
 def _run(folder: Path, compile_with: list[str], run_with: list[str]) -> None:
     program = folder / "lanes_test"
     command = [*compile_with, *FLAGS, f"-I{folder}", str(PROGRAM), "-o", str(program)]
-    built = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    built = subprocess.run(command, capture_output=True, text=True, timeout=900)
     assert built.returncode == 0, built.stderr[:2000]
-    done = subprocess.run([*run_with, str(program)], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([*run_with, str(program)], capture_output=True, text=True, timeout=900)
     print(done.stdout)
     assert done.returncode == 0, done.stdout
 

@@ -75,7 +75,7 @@ def first_use(
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
+        timeout=900,
         user=user,
         group=user,
     )

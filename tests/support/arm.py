@@ -37,9 +37,9 @@ def _packages(folder: Path) -> None:
     settings = {"Dir::State::lists": folder / "lists", "Dir::Cache": folder / "cache"}
     options = [f"-o{key}={value}" for key, value in settings.items()]
     options += ["-oAPT::Architectures::=arm64", "-oAPT::Sandbox::User=root"]
-    run(["apt-get", "-qq", *options, "update"], timeout=300)
+    run(["apt-get", "-qq", *options, "update"], timeout=900)
     names = [f"{name}:arm64" for name in PACKAGES]
-    run(["env", "-C", folder / "debs", "apt-get", "-qq", *options, "download", *names], timeout=300)
+    run(["env", "-C", folder / "debs", "apt-get", "-qq", *options, "download", *names], timeout=900)
     for package in (folder / "debs").glob("*.deb"):
         run(["dpkg", "-x", package, folder / "root"])
 
@@ -48,7 +48,7 @@ def _numpy(folder: Path) -> None:
     platforms = [f"--platform=manylinux_2_{minor}_aarch64" for minor in (27, 28)]
     options = ["-q", "--no-deps", "--only-binary=:all:", f"--python-version={VERSION}", *platforms]
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "download"]
-    run([*pip, *options, NUMPY, "-d", folder / "numpy"], timeout=300)
+    run([*pip, *options, NUMPY, "-d", folder / "numpy"], timeout=900)
     for wheel in (folder / "numpy").glob("*.whl"):
         zipfile.ZipFile(wheel).extractall(folder / "site")
 

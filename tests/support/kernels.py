@@ -135,4 +135,4 @@ def compile_alone(
         path.write_text(source.source, encoding="utf-8")
     command = [compiler, "-std=c++17", *WARNINGS, *flags, f"-I{include}", "-c", str(path)]
     command += ["-o", str(folder / "kernel.o")]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+    return subprocess.run(command, capture_output=True, text=True, timeout=900)

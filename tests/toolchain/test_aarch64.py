@@ -133,9 +133,16 @@ def test_a_recorded_kernel_computes_what_it_does_without(runner, compiler, tmp_p
 
 
 def judged(runner: EmulatedRunner, monkeypatch) -> tuple[Workbench, Held]:
-    """The main job for 1e-6, with two candidates instead of twenty."""
+    """The main job for 1e-6, with two candidates instead of twenty; in lanes one of each number."""
     two = [exact_variant("gcc"), exact_variant("gcc", "dop853")]
     monkeypatch.setattr(seeds, "singles_for", lambda *_: two)
+    all_lanes = seeds.batch_candidates
+
+    def few(*asked: object) -> list[Variant]:
+        found = all_lanes(*asked)
+        return [next(v for v in found if v["numbers"] == code) for code in ("own", "float")]
+
+    monkeypatch.setattr(seeds, "batch_candidates", few)
     tools = bench(runner)
     asked = Contest("ball-ball", TARGET.name, "any", "mathavan2014", Goal(budget=1e-6), "scalar")
     return tools, hold(tools, asked, read_host(), 1.0)
