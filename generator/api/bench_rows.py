@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..choice.candidates import baseline, candidates_of
+from ..choice.cases import CaseSet
 from ..choice.kernel import Emitted, Rejected, Timed, Verified, verdict_of
 from ..choice.lookup import with_compiler_found
 from ..choice.modelling import frame_bound, lanes_in_flight, loop_report
 from ..choice.selection import Selected
 from ..choice.timing import job_of, timed_together
-from ..choice.workbench import Workbench
+from ..choice.workbench import TimingJob, Workbench
 from ..evidence.profiling.passes import steps_a_collision
-from ..evidence.timing.ratios import TimingResult
+from ..evidence.timing.plan import PlannedKernel
+from ..evidence.timing.ratios import TimingResult, timing_results
 from ..evidence.verification.errors import Array
 from ..targets.target import Target
 from ..toolchain.mca import find_mca
+from .closed_forms import ClosedRow, closed_forms
 
 COUNTED = 2000  # cases whose steps are counted, of an exact kernel
 
@@ -28,6 +31,7 @@ class BenchRow:
 
     candidate: Timed | Rejected
     is_selected: bool
+    cases: CaseSet = "mixed"
     bound_cycles: float | None = None  # of a batch kernel: llvm-mca's throughput bound a collision
     core_ghz: float | None = None  # while it was timed
     threads: dict[int, float] | None = None  # ns a collision of a batch shared over threads
@@ -72,6 +76,7 @@ class BenchRow:
             "compiler": made.compiler.version,
             "flags": " ".join(made.flags),
             "options": dict(v.options),
+            "cases": self.cases,
             "ns_per_collision": timing.ns if timing else None,
             "latency_ns": timing.latency_ns if timing else None,
             "tsc_cycles_per_collision": timing.cycles if timing else None,
@@ -100,60 +105,99 @@ class BenchRow:
         return timing.ns * self.core_ghz / self.bound_cycles
 
 
+@dataclass(frozen=True)
+class Rows:
+    """What was timed together: kernels, and what is none."""
+
+    kernels: tuple[BenchRow, ...]
+    closed_forms: tuple[ClosedRow, ...]
+
+
 def bench_rows(
     tools: Workbench, target: Target, scene: str, entries: Sequence[Selected], seconds: float
-) -> list[BenchRow]:
-    """Verify and time, model by model, the entries and the baseline."""
+) -> Rows:
+    """Verify and time the entries and the baseline, model by model, on each set of cases."""
     rows: list[BenchRow] = []
+    closed: list[ClosedRow] = []
     for model in dict.fromkeys(entry.model for entry in entries):
-        own = [e for e in entries if e.model == model]
-        first = baseline(own[0].variant.question.contest, list(tools.compilers))
-        variants = [first]
-        for entry in own:
-            found = with_compiler_found(entry.variant, tools.compilers)  # type: ignore[arg-type]
-            variants.append(found)
-        emitted = tools.emit_all(variants, target)
-        kernels = tools.each("building and verifying", tools.check, emitted)
+        kernels = _checked(tools, target, [e for e in entries if e.model == model])
+        for cases in tools.cases.sets:
+            bench = _Bench(tools, target, seconds / len(tools.cases.sets), cases)
+            found = bench.rows(kernels, tools.cases.timed(scene, model, True, cases))
+            rows += found.kernels
+            closed += found.closed_forms
+            kernels = [k for k in kernels if not isinstance(k, Rejected)]  # told of once
+            if not kernels:
+                break
+    return Rows(tuple(rows), tuple(closed))
+
+
+def _checked(
+    tools: Workbench, target: Target, entries: Sequence[Selected]
+) -> list[Verified | Rejected]:
+    """The baseline, then the entries of one model."""
+    first = baseline(entries[0].variant.question.contest, list(tools.compilers))
+    variants = [first]
+    for entry in entries:
+        found = with_compiler_found(entry.variant, tools.compilers)  # type: ignore[arg-type]
+        variants.append(found)
+    emitted = tools.emit_all(variants, target)
+    return tools.each("building and verifying", tools.check, emitted)
+
+
+@dataclass(frozen=True)
+class _Bench:
+    """The timing of one model's kernels on one set of cases."""
+
+    tools: Workbench
+    target: Target
+    seconds: float
+    cases: CaseSet
+
+    def rows(self, kernels: Sequence[Verified | Rejected], batch: Array) -> Rows:
+        """Single calls, then batches beside them; `batch`: the cases of the latter."""
         single = [k for k in kernels if not k.is_batch]
         wide = [k for k in kernels if k.is_batch]
-        singles, _ = _timed(tools, single, [], seconds)
-        rows += [BenchRow(k, n > 0) for n, k in enumerate(singles)]
-        batches, ghz = _timed(tools, single, wide, seconds) if wide else ([], None)
-        cases = tools.cases.timed(scene, model, batches=True)
-        rows += [_batch_row(tools, k, target, ghz, cases) for k in batches]
-    return rows
+        singles = [BenchRow(k, n > 0, self.cases) for n, k in enumerate(self._timed(single))]
+        passed = [k for k in wide if not isinstance(k, Rejected)]
+        if not passed:
+            failed = (BenchRow(k, True, self.cases) for k in wide if isinstance(k, Rejected))
+            return Rows((*singles, *failed), ())
+        forms = closed_forms(self.tools, passed[0])
+        made = timed_together(
+            self.tools.time, self._job([*single, *wide], forms), self.tools.progress
+        )
+        told, ghz = made.told(wide), made.rounds.whole.core_ghz
+        found = {result.name: result for result in timing_results(made.rounds.whole)}
+        closed = (ClosedRow(f.name, passed[0], self.cases, found[f.name]) for f in forms)
+        rows = (_batch_row(self, k, ghz, batch) for k in told)
+        return Rows((*singles, *rows), tuple(closed))
 
+    def _timed(self, single: Sequence[Verified | Rejected]) -> list[Timed | Rejected]:
+        """Single calls interleaved with the baseline, the first of them."""
+        rejected = [k for k in single if isinstance(k, Rejected)]
+        if len(rejected) == len(single):
+            return list(rejected)
+        job = self._job(single, ())
+        return timed_together(self.tools.time, job, self.tools.progress).told(single)
 
-def _timed(
-    tools: Workbench,
-    single: Sequence[Verified | Rejected],
-    wide: Sequence[Verified | Rejected],
-    seconds: float,
-) -> tuple[list[Timed | Rejected], float | None]:
-    """Kernels interleaved with the baseline, the first of the single ones; the core's clock.
-
-    Those with lanes where there are any, beside the single ones; else the single ones.
-    """
-    asked = wide or single
-    rejected = [k for k in asked if isinstance(k, Rejected)]
-    if len(rejected) == len(asked):
-        return list(rejected), None
-    job = job_of([*single, *wide], seconds)
-    made = timed_together(tools.time, job, tools.progress)
-    return made.told(asked), made.rounds.whole.core_ghz
+    def _job(
+        self, kernels: Sequence[Verified | Rejected], forms: tuple[PlannedKernel, ...]
+    ) -> TimingJob:
+        return replace(job_of(kernels, self.seconds), cases=self.cases, beside=forms)
 
 
 def _batch_row(
-    tools: Workbench,
-    candidate: Timed | Rejected,
-    target: Target,
-    ghz: float | None,
-    cases: Array,
+    bench: _Bench, candidate: Timed | Rejected, ghz: float | None, cases: Array
 ) -> BenchRow:
     if isinstance(candidate, Rejected):
-        return BenchRow(candidate, True)
-    threads = tools.tool.threads(candidate.library.path, cases)
-    return BenchRow(candidate, True, _bound_cycles(tools, candidate, target, cases), ghz, threads)
+        return BenchRow(candidate, True, bench.cases)
+    tools = bench.tools
+    threads = None
+    if bench.cases == "mixed":
+        threads = tools.tool.threads(candidate.library.path, cases)
+    bound = _bound_cycles(tools, candidate, bench.target, cases)
+    return BenchRow(candidate, True, bench.cases, bound, ghz, threads)
 
 
 def _bound_cycles(

@@ -11,15 +11,17 @@ from ..choice.selection import how_to_make, place_of, read_selection
 from ..errors import InputError
 from ..registry.question import DEFAULT_IMPACT, find_impact
 from .bench_rows import BenchRow, bench_rows
+from .closed_forms import ClosedRow
 from .session import Session, resolve_target
 
 
 @dataclass(frozen=True)
 class Benched:
-    """The machine, and a row for each kernel, `paper-initial` among them."""
+    """The machine, and a row for each kernel and set of cases, `paper-initial` among them."""
 
     host: dict[str, Any]
     rows: tuple[BenchRow, ...]
+    closed_forms: tuple[ClosedRow, ...] = ()  # what leaves friction on the table away
 
     @property
     def failed(self) -> tuple[BenchRow, ...]:
@@ -27,8 +29,12 @@ class Benched:
 
     def document(self) -> dict[str, Any]:
         """What `gen bench --json` writes."""
-        kernels = [row.document() for row in self.rows]
-        return {"schema": 1, "host": self.host, "kernels": kernels}
+        return {
+            "schema": 1,
+            "host": self.host,
+            "kernels": [row.document() for row in self.rows],
+            "closed_forms": [row.document() for row in self.closed_forms],
+        }
 
 
 def bench(
@@ -70,4 +76,4 @@ def bench(
             "machine": platform.machine(),
             "compilers": {c.code: c.version for c in tools.compilers.values()},
         }
-    return Benched(machine, tuple(rows))
+    return Benched(machine, rows.kernels, rows.closed_forms)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from threading import RLock
+from typing import Literal
 
 import numpy as np
 
@@ -21,11 +22,13 @@ from .store import Store
 from .verifying import Expected, HardCases
 
 Progress = Callable[[str, int, int], None]  # what, done, of
+CaseSet = Literal["mixed", "easy"]  # all kinds, or those that play mostly has
 
 VERIFY_SEED = 20141
 VERIFY_RANDOM = 5000
 TIMING_SEED = 7735
 TIMING_CASES = 4096
+EASY_OF = 3  # so many times as many mixed cases have as many easy ones: 25 in 47 are
 EMULATED = 5  # of the cases one in so many runs under an emulator, which takes ms for each
 
 
@@ -38,7 +41,7 @@ class Cases:
     progress: Progress
     every: int = 1
     _expected: dict[tuple[object, ...], Expected] = field(default_factory=dict)
-    _timed: dict[tuple[str, str, bool], Array] = field(default_factory=dict)
+    _timed: dict[tuple[str, str, bool, CaseSet], Array] = field(default_factory=dict)
     _lock: RLock = field(default_factory=RLock)
 
     @property
@@ -74,19 +77,33 @@ class Cases:
                 self.progress("computing expected results", 1, 1)
             return self._expected[key]
 
-    def timed(self, scene: str, model: str, batches: bool = False) -> Array:
+    @property
+    def sets(self) -> tuple[CaseSet, ...]:
+        """The sets that the impact's kernels are timed on."""
+        return ("mixed", "easy") if self.evidence.easy else ("mixed",)
+
+    def timed(self, scene: str, model: str, batches: bool = False, of: CaseSet = "mixed") -> Array:
         """The random cases that kernels are timed on, adapted to the scene.
 
         `batches`: with the same parameters for all but the varied one, as a batch takes them.
         """
-        key = (scene, model, batches)
+        key = (scene, model, batches, of)
         with self._lock:
             if key not in self._timed:
                 fixed = self.evidence.shared if batches else None
-                made = self.tool.make_cases(TIMING_SEED, TIMING_CASES, fixed=fixed).rows
                 known = self.impact.find_scene(scene)
-                self._timed[key] = self.evidence.cases_for_scene(known, made, model)
+                rows = self._easy(fixed) if of == "easy" else self._mixed(fixed)
+                self._timed[key] = self.evidence.cases_for_scene(known, rows, model)
             return self._timed[key]
+
+    def _mixed(self, fixed: Mapping[str, float] | None) -> Array:
+        return self.tool.make_cases(TIMING_SEED, TIMING_CASES, fixed=fixed).rows
+
+    def _easy(self, fixed: Mapping[str, float] | None) -> Array:
+        """As many of the easy kinds alone, in the order in which the mixed set has them."""
+        made = self.tool.make_cases(TIMING_SEED, EASY_OF * TIMING_CASES, fixed=fixed)
+        easy = [kind in self.evidence.easy for kind in made.kinds]
+        return made.rows[np.flatnonzero(easy)[:TIMING_CASES]]
 
     def _made(
         self, scene: BaseScene, model: str, steps: int | None, seed: int, random: int

@@ -32,7 +32,7 @@ from ..targets.target import Target
 from ..toolchain.build import build
 from ..toolchain.compilers import Compiler, march_flags
 from ..toolchain.flags import compile_flags
-from .cases import EMULATED, Cases, Progress
+from .cases import EMULATED, Cases, CaseSet, Progress
 from .kernel import Built, Emitted, Rejected, Verified
 from .store import Store
 from .trials import Rules
@@ -51,17 +51,24 @@ class TimingJob:
 
     Where one of them has lanes, all are timed on cases that share their parameters: those with
     lanes by their batch function, the others call by call. `latency`: single calls also each fed
-    by the last, and on the seed cases.
+    by the last, and on the seed cases. `beside`: what is timed with them and is no kernel.
     """
 
     kernels: tuple[Built, ...]
     rounds: int
     seconds: float
     latency: bool = False
+    cases: CaseSet = "mixed"
+    beside: tuple[PlannedKernel, ...] = ()
 
     @property
     def batches(self) -> bool:
         return any(kernel.is_batch for kernel in self.kernels)
+
+    @property
+    def fed(self) -> bool:
+        """Are single calls also fed by the last?"""
+        return self.latency and not self.batches and self.cases == "mixed"
 
     @property
     def baseline(self) -> Built:
@@ -194,18 +201,18 @@ class Workbench:
                 kernel.name,
                 kernel.library.path,
                 batch=kernel.is_batch,
-                latency=job.latency and not batches,
+                latency=job.fed,
             )
             for kernel in {kernel.name: kernel for kernel in job.kernels}.values()
         )
         seeds = None
-        if job.latency and not batches and asked.known_scene.unrestricted:
+        if job.fed and asked.known_scene.unrestricted:
             evidence = self.cases.evidence
             reference = load_reference(evidence.reference)
             seeds = reference.cases[reference.rows_of(evidence.seeds)]
         return TimingPlan(
-            self.cases.timed(asked.scene, job.baseline.variant.model, batches),
-            kernels,
+            self.cases.timed(asked.scene, job.baseline.variant.model, batches, job.cases),
+            (*kernels, *job.beside),
             job.baseline.name,
             seeds,
             rounds=job.rounds,

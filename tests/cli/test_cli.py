@@ -416,7 +416,7 @@ def test_gen_alone_prints_the_help() -> None:
 
 KERNEL_TEXTS = (
     *("name", "impact", "question", "recipe", "target", "scene", "model", "stepper", "compiler"),
-    "flags",
+    *("flags", "cases"),
 )
 
 
@@ -428,9 +428,14 @@ def test_bench_json_is_as_documented(tmp_path) -> None:
     document = json.loads(path.read_text("utf-8"))
     assert document["schema"] == 1
     assert {"cpu", "target", "compilers"} <= set(document["host"])
-    chosen_in_lanes = [k["width"] > 1 for k in document["kernels"] if k["selected"]]
-    each = "of fixed steps and of 1e-6 one for single calls and one for batches"
-    assert sorted(chosen_in_lanes) == [False, False, True, True], each
+    for cases in ("mixed", "easy"):
+        own = [k for k in document["kernels"] if k["cases"] == cases]
+        chosen_in_lanes = [k["width"] > 1 for k in own if k["selected"]]
+        each = "of fixed steps and of 1e-6 one for single calls and one for batches"
+        assert sorted(chosen_in_lanes) == [False, False, True, True], each
+    closed = {(row["name"], row["cases"]) for row in document["closed_forms"]}
+    assert closed == {("no-table-friction", "mixed"), ("no-table-friction", "easy")}
+    assert all(row["ns_per_collision"] > 0 for row in document["closed_forms"])
     types = {
         **dict.fromkeys(KERNEL_TEXTS, str),
         "width": int,

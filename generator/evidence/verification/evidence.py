@@ -50,6 +50,7 @@ class Evidence:
     exact_models: Mapping[str, str] = field(default_factory=dict)
     level: tuple[int, ...] = ()  # columns of a case that rounding must not move
     given: Mapping[str, float] = field(default_factory=dict)  # parameters that no case has
+    easy: frozenset[str] = frozenset()  # kinds that play mostly has: batches are timed on them, too
 
 
 def evidence_of(impact: Impact) -> Evidence:

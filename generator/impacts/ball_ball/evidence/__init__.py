@@ -21,6 +21,7 @@ REFERENCE = ReferenceFiles(
 )
 # A batch has one R, M, u_s and e_b: those of a pool table.
 SHARED = {"R": 0.028575, "M": 0.170097, "u_s1": 0.2, "u_s2": 0.2, "e_b": 0.95}
+EASY = ("rolling_vs_rest", "stun_vs_rest", "draw_vs_rest", "side_vs_rest", "break")
 
 EVIDENCE = Evidence(
     measure=MEASURE,
@@ -34,4 +35,5 @@ EVIDENCE = Evidence(
     flip_share=FLIP_SHARE,
     level=(R1.stop - 1, R2.stop - 1),  # else the line of centres is tilted
     given={MASS_1: CASE_M1},
+    easy=frozenset(EASY),
 )
