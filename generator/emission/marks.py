@@ -8,6 +8,7 @@ same text with these lines, and put their own in place of each:
     rare                       a block that hardly ever runs: a guess was refused
     evaluation                 the rates of the slips are evaluated
     root                       a helper that makes roots begins
+    tier NAME [STEPS]          it is decided which steps a collision takes
     declare DECLARATION        what a CONDITION names, as it stands
 """
 

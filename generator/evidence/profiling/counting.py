@@ -91,6 +91,7 @@ def _counter(name: str, region: str = "", *condition: str) -> str:
         "rare": "++counted::tally.of[counted::k_rare];",
         "evaluation": "++counted::evaluations;",
         "root": "const counted::Apart apart;",
+        "tier": "",
     }[name]
 
 
