@@ -55,7 +55,8 @@ def _tiers(variant: Variant, axis: str) -> TierContext | None:
     """The fixed steps in front of the adaptive ones, of calls or in lanes; None: there are none."""
     if variant.get(axis, "adaptive") == "adaptive":
         return None
-    return tier_context(find_model(variant.model).terms, variant.stepper.budget or 0.0)
+    terms, budget = find_model(variant.model).terms, variant.stepper.budget or 0.0
+    return tier_context(terms, budget, alone=axis == "tiers")
 
 
 def _batch(scene: Scene, tiers: TierContext | None) -> str:

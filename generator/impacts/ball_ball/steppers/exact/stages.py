@@ -51,9 +51,10 @@ class Stages(StepText):
             assigns += [Assign("i_cs", i_c * symbol("i_s"), KIND), *rubbed]
             assigns += [Assign(f"r_t_{axis}", i_cs * symbol(f"z_{axis}"), KIND) for axis in "xy"]
             return self._part(assigns)
-        over = tuple(f"{KIND} l_{axis} = root_s.of(z_{axis});" for axis in "xy")
+        over = tuple(f"{KIND} r_d_{axis} = root_c.of(p_{axis});" for axis in "xz")
+        over += tuple(f"{KIND} l_{axis} = root_s.of(z_{axis});" for axis in "xy")
         slid = [Assign(f"r_t_{axis}", i_c * symbol(f"l_{axis}"), KIND) for axis in "xy"]
-        before, after = self._part(assigns), self._part([*rubbed, *slid])
+        before, after = self._part(assigns), self._part(slid)
         return Part((*before.lines, *over, *after.lines), before.counts + after.counts)
 
     def _stage(self, i: int, rates: OperationCounts) -> Part:

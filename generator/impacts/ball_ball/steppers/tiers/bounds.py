@@ -6,10 +6,12 @@ under which no collision of a search with an error over `error` is accepted, tim
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .....tableaus.plain import BUTCHER_6, PlainTableau
 from ...terms import ContactTerms
+
+MOST_ALONE = 2  # steps a phase
 
 
 @dataclass(frozen=True)
@@ -42,14 +44,50 @@ class Tier:
 
 
 @dataclass(frozen=True)
+class ByPhase:
+    """A way of `steps` in either phase that asks of each phase by itself.
+
+    reach and near are those of a phase, whatever its steps.
+    """
+
+    steps: int
+    first: tuple[Term, ...]
+    second: tuple[Term, ...]
+    most_way: float = 0.94  # of the way to sticking that is left to a phase
+    most_near: float = 0.92
+    most_friction: float = 0.06  # u_s u_b
+    most_u_b: float = 0.25
+    most_u_s: float = 0.6
+
+
+@dataclass(frozen=True)
 class Bound:
     """The tiers of a model and a budget, the cheapest first, and the region they are known in."""
 
     error: float  # of |v1 - v2|: what a collision may be off in any of them
+    error_alone: float  # the same of single calls, whose numbers are doubles
     tableau: PlainTableau
-    tiers: tuple[Tier, ...]
+    tiers: tuple[Tier | ByPhase, ...]
     least_e_b: float = 0.4
     most_friction: float = 0.12  # u_s u_b
+
+    @property
+    def whole(self) -> Tier:
+        """The first tier: one step over both phases."""
+        first = self.tiers[0]
+        if not isinstance(first, Tier):
+            raise TypeError("the first tier is one step over all")
+        return first
+
+    @property
+    def chord(self) -> tuple[float, float]:
+        """p, r: 1 / e_b <= p - r e_b from `least_e_b` to 1."""
+        return 1 + 1 / self.least_e_b, 1 / self.least_e_b
+
+    def alone(self) -> Bound:
+        """That of single calls. Four steps a phase take longer than the adaptive ones."""
+        tiers = tuple(tier for tier in self.tiers if tier.steps <= MOST_ALONE)
+        return replace(self, error=self.error_alone, tiers=tiers)
 
 
 @dataclass(frozen=True)
@@ -75,29 +113,38 @@ _WHOLE = Tier(
     most_near=0.75,
     work=0.004,
 )
-_ONE_A_PHASE = Tier(
+_ONE_A_PHASE = ByPhase(
     steps=1,
-    terms=(
-        Term(0.082, reach=4, turning=True),
-        Term(1e-4, reach=3),
+    first=(
+        Term(0.0543, reach=2, turning=True),
+        Term(5.53, reach=3),
+        Term(0.19, near=2),
+    ),
+    second=(
+        Term(0.037, reach=2, turning=True),
+        Term(0.328, reach=4, turning=True),
+        Term(0.307, reach=6, turning=True),
+        Term(0.0123, reach=2),
+        Term(0.0118, reach=6),
         Term(0.0042, near=2),
-        Term(0.018, near=3),
-        Term(0.031, near=4),
+        Term(0.234, near=3),
     ),
-    most_way=0.9,
-    most_near=0.8,
 )
-_TWO_A_PHASE = Tier(
+_TWO_A_PHASE = ByPhase(
     steps=2,
-    terms=(
-        Term(0.00302, reach=2, turning=True),
-        Term(0.0184, reach=3, turning=True),
-        Term(0.0218, reach=2),
-        Term(0.0902, reach=3),
-        Term(0.406, near=2),
+    first=(
+        Term(0.00933, reach=3, turning=True),
+        Term(0.0343, reach=6, turning=True),
+        Term(0.163, reach=6),
+        Term(0.161, near=2),
     ),
-    most_way=0.96,
-    most_near=0.93,
+    second=(
+        Term(0.00205, reach=2, turning=True),
+        Term(0.162, reach=6, turning=True),
+        Term(0.0257, reach=6),
+        Term(0.0251, near=2),
+        Term(0.0132, near=5),
+    ),
 )
 _FOUR_A_PHASE = Tier(
     steps=4,
@@ -112,7 +159,7 @@ _FOUR_A_PHASE = Tier(
     most_near=0.97,
 )
 
-_FOR_1E6 = Bound(2.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE, _FOUR_A_PHASE))
+_FOR_1E6 = Bound(2.5e-7, 3.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE, _FOUR_A_PHASE))
 
 _ROWS: tuple[_Row, ...] = (
     _Row(ContactTerms("bottom", lift=True), 1e-6, _FOR_1E6),

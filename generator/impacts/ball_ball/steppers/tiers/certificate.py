@@ -24,11 +24,12 @@ from .....lowering.lane_algebra import (
 )
 from ..exact.lengths import times
 from ..exact.pressed import Pressed
-from .bounds import Bound, Term, Tier
+from .bounds import Bound, ByPhase, Term, Tier
 from .whole import PRINTER, Text
 
 TINY = constant("kTinySquare")
 RESTS = 2e-7  # of the approach velocity: a table slip that is none
+LEAST_LEFT = 0.05  # of the way to sticking: beyond it no step of the second phase is tried
 SETS_OFF = 1e-6  # of it: where the table slip is put that was none, on the way that it will go
 
 
@@ -57,14 +58,19 @@ def certificate(bound: Bound, pressed: Pressed) -> Text:
     share = fma(end.bend * mean, mean, fma(-end.first, f_0, fma(-end.last, f_1, end.half)))
     lines.number("h", share * v)
     lines.remark("How near sticking, and a passage of the table slip by zero, come to the step")
-    _way(lines, pressed, per_c, n_z)
+    part = _way(lines, pressed, per_c, n_z)
+    lines.number("reach", part * rough_inverse(2 - part))
     n_b = lines.number("n_b", fma(b_x, b_x, b_y * b_y))
     per_b = lines.number("per_b", rough_rsqrt(n_b))
     whole = fma(n_0, per_0, n_1 * per_1)
     near_0 = lines.number("near_0", n_b * per_b * q * rough_inverse(whole))
     lines.number("near", select(mask("rests"), 0, near_0))
     _weighed_by(lines, bound, pressed)
-    _tier(lines, bound, 0, "")
+    lines.number("rubs", push * q)
+    lines.mask("rubbed", u_s * u_b <= bound.most_friction)
+    lines.number("reach_3", _cube(number("reach")))
+    lines.number("near_3", _cube(number("near")))
+    _tier(lines, bound.whole, 0, "")
     return lines.part()
 
 
@@ -89,11 +95,18 @@ def further(bound: Bound, pressed: Pressed) -> Text:
     per_c, n_z = _direction(lines)
     lines.number("push", number("u_b") * n_z)
     lines.number("q", number("end.half") * number("approach_1"))
-    _way(lines, pressed, per_c, n_z)
-    lines.number("beyond", 1 - number("part"))
     _weighed_by(lines, bound, pressed)
+    _phases(lines, bound, pressed)
+    if any(isinstance(tier, Tier) for tier in bound.tiers[1:]):
+        lines.number("rubs", number("push") * number("q"))
+        lines.mask("rubbed", number("u_s") * number("u_b") <= bound.most_friction)
+        _way(lines, pressed, per_c, n_z)
+        lines.number("beyond", 1 - number("part"))
     for i, tier in enumerate(bound.tiers[1:], 1):
-        _tier(lines, bound, i, "" if not tier.by_step else _in_steps(lines, tier))
+        if isinstance(tier, ByPhase):
+            _tier_by_phase(lines, tier, i)
+        else:
+            _tier(lines, tier, i, _in_steps(lines, tier))
     return lines.part()
 
 
@@ -104,24 +117,19 @@ def _direction(lines: Lines) -> tuple[Number, Number]:
     return per_c, lines.number("n_z", -c_z * per_c)
 
 
-def _way(lines: Lines, pressed: Pressed, per_c: Number, n_z: Number) -> None:
-    """How far the collision goes to sticking, and how near that comes to one step over all."""
+def _way(lines: Lines, pressed: Pressed, per_c: Number, n_z: Number) -> Number:
+    """How far the collision goes to sticking, at most to its end."""
     most = max(float(pressed.k_x), float(pressed.k_z))
     fall = fma(given(pressed.k_zt) * number("u_s"), n_z, most)
     way = lines.number("way", fall * number("u_b") * number("q") * per_c)
-    part = lines.number("part", smaller(way, 1))
-    lines.number("reach", part * rough_inverse(2 - part))
+    return lines.number("part", smaller(way, 1))
 
 
 def _weighed_by(lines: Lines, bound: Bound, pressed: Pressed) -> None:
     """What the certificates of all tiers are made of."""
-    lines.number("reach_3", _cube(number("reach")))
-    lines.number("near_3", _cube(number("near")))
     across = times(pressed.k_x - pressed.k_z, absolute(number("slips.c_x")))
     lines.number("n_x", across * number("per_c"))
-    lines.mask("rubbed", number("u_s") * number("u_b") <= bound.most_friction)
     lines.number("room", bound.error * number("relative"))
-    lines.number("rubs", number("push") * number("q"))
 
 
 def _in_steps(lines: Lines, tier: Tier) -> str:
@@ -141,9 +149,8 @@ def _in_steps(lines: Lines, tier: Tier) -> str:
     return name
 
 
-def _tier(lines: Lines, bound: Bound, i: int, steps: str) -> None:
+def _tier(lines: Lines, tier: Tier, i: int, steps: str) -> None:
     """A mask `tier<i>`: would it be exact enough? `steps`: what names of its step end with."""
-    tier = bound.tiers[i]
     rub = _total(lines, f"passes{i}", steps, [t for t in tier.terms if not t.turning])
     if tier.work:
         rub = fma(number("end.work") * number("near"), number("near_3"), rub)
@@ -152,6 +159,88 @@ def _tier(lines: Lines, bound: Bound, i: int, steps: str) -> None:
     off = lines.number(f"off{i}", number("rubs") * weighed)
     within = both(number("way") < tier.most_way, number("near") < tier.most_near)
     lines.mask(f"tier{i}", both(both(within, mask("rubbed")), off < number("room")))
+
+
+def _phases(lines: Lines, bound: Bound, pressed: Pressed) -> None:
+    """Normal impulse, reach and near of either phase: q_a, reach_a, ..., and powers."""
+    tiers = [tier for tier in bound.tiers if isinstance(tier, ByPhase)]
+    u_b, u_s, per_c, q = number("u_b"), number("u_s"), number("per_c"), number("q")
+    n_c = lines.number("n_c", number("slips.c_x") * per_c)
+    turned = fma(given(pressed.k_x - pressed.k_z) * n_c, n_c, pressed.k_z)
+    fall = fma(given(pressed.k_zt) * u_s, number("n_z"), turned)
+    pace = lines.number("pace", fall * u_b * per_c, "of the way to sticking, per unit of q")
+    q_a = lines.number("q_a", number("end.w") * q)
+    q_b = lines.number("q_b", q - q_a)
+    way_a = lines.number("way_a", pace * q_a)
+    way_b = lines.number("way_b", pace * q_b * rough_inverse(larger(1 - way_a, LEAST_LEFT)))
+    for phase, way in (("a", way_a), ("b", way_b)):
+        part = lines.number(f"part_{phase}", smaller(way, 1))
+        lines.number(f"reach_{phase}", part * rough_inverse(2 - part))
+    _near_phases(lines, pressed, q_a, q_b)
+    for phase in "ab":
+        terms = [term for tier in tiers for term in _of(tier, phase)]
+        _powers(lines, f"reach_{phase}", {t.reach for t in terms})
+        _powers(lines, f"near_{phase}", {t.near for t in terms})
+    lines.number("most_way", larger(way_a, way_b))
+    lines.number("most_near", larger(number("near_a"), number("near_b")))
+
+
+def _near_phases(lines: Lines, pressed: Pressed, q_a: Number, q_b: Number) -> None:
+    """near of either phase: the straight path is cut where v_n = 0."""
+    slips, push, u_b = Fields("slips"), number("push"), number("u_b")
+    b_x = lines.number("b_x", given(pressed.recoil) * u_b * number("n_c"))
+    b_y = lines.number("b_y", fma(given(pressed.k_b), push, given(pressed.drive)))
+    lengths = []
+    for name, q in (("0", None), ("m", q_a), ("1", number("q"))):
+        x = slips.s_x if q is None else lines.number(f"s_x{name}", fma(q, b_x, slips.s_x))
+        y = slips.s_y if q is None else lines.number(f"s_y{name}", fma(q, b_y, slips.s_y))
+        n = lines.number(f"n_{name}", fma(x, x, fma(y, y, TINY)))
+        lengths.append(lines.number(f"l_{name}", n * rough_rsqrt(n)))
+    n_b = lines.number("n_b", fma(b_x, b_x, b_y * b_y))
+    l_b = lines.number("l_b", n_b * rough_rsqrt(n_b))
+    rests = lines.mask("rests", number("near") <= 0)
+    for phase, q, i in (("a", q_a, 0), ("b", q_b, 1)):
+        passes = l_b * q * rough_inverse(lengths[i] + lengths[i + 1])
+        lines.number(f"near_{phase}", select(rests, 0, lines.number(f"passes_{phase}", passes)))
+
+
+def _tier_by_phase(lines: Lines, tier: ByPhase, i: int) -> None:
+    """The mask `tier<i>` of steps whose certificate asks of either phase."""
+    u_b, u_s, missed = number("u_b"), number("u_s"), []
+    for phase in "ab":
+        terms = _of(tier, phase)
+        rub = _total(lines, f"passes{i}{phase}", f"_{phase}", [t for t in terms if not t.turning])
+        turn = _total(lines, f"turns{i}{phase}", f"_{phase}", [t for t in terms if t.turning])
+        missed.append(number(f"q_{phase}") * fma(u_s, rub, number("n_x") * turn))
+    off = lines.number(f"off{i}", number("push") * (missed[0] + missed[1]))
+    within = both(number("most_way") < tier.most_way, number("most_near") < tier.most_near)
+    rubbed = both(u_b <= tier.most_u_b, u_s <= tier.most_u_s)
+    rubbed = both(rubbed, u_s * u_b <= tier.most_friction)
+    lines.mask(f"tier{i}", both(both(within, rubbed), off < number("room")))
+
+
+def _of(tier: ByPhase, phase: str) -> tuple[Term, ...]:
+    return tier.first if phase == "a" else tier.second
+
+
+def _powers(lines: Lines, name: str, asked: set[int]) -> None:
+    """The powers of a number that terms ask for, made once: reach_a_3, reach_a_6, ..."""
+    x, cube = number(name), number(f"{name}_3")
+    for cubes in _made_of(asked - {0}):
+        half = number(f"{name}_{3 * (cubes // 2)}")
+        value = _cube(x) if cubes == 1 else half * half * (cube if cubes % 2 else 1)
+        lines.number(f"{name}_{3 * cubes}", value)
+
+
+def _made_of(powers: set[int]) -> list[int]:
+    """The powers, and those that they are made of: halves, and 1 for odd ones."""
+    made, left = set(powers), set(powers)
+    while left:
+        power = left.pop()
+        new = {power // 2, power % 2} - made - {0}
+        made |= new
+        left |= new
+    return sorted(made)
 
 
 def _cube(x: Number) -> Number:
@@ -174,6 +263,8 @@ def _total(lines: Lines, name: str, steps: str, terms: Sequence[Term]) -> Number
 
 def _power(of: str, cubes: int) -> Number | None:
     """of^(3 cubes), from the names that are there."""
+    if "_" in of and cubes:
+        return number(f"{of}_{3 * cubes}")
     cube = number(f"{of}_3")
     return {0: None, 1: cube, 2: cube * cube, 3: cube * cube * cube}.get(
         cubes, (cube * cube) * (cube * cube)

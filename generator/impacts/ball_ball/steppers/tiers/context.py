@@ -11,7 +11,7 @@ from ..exact.pressed import Pressed
 from .bounds import Bound, bound_for
 from .certificate import certificate, further
 from .frame import changed, differences, entering, leaving, sizes
-from .whole import Text, advance, end, end_weights, finish, stage, turn
+from .whole import Text, advance, end, end_weights, finish, stage, stage_alone, turn
 
 BLOCK, REST = 64, 128  # collisions that are read at once, and that may wait for the general way
 
@@ -21,6 +21,7 @@ class TierContext:
     """The fixed steps of one kernel; names as in templates/tiers."""
 
     bound: Bound
+    alone: bool  # for single calls, whose numbers are doubles
     differences: tuple[tuple[str, str], ...]  # what is made in doubles, by name
     sizes: tuple[tuple[str, str], ...]
     entering: Text
@@ -50,24 +51,29 @@ class TierContext:
         return self.bound.tableau.stages
 
 
-def tier_context(terms: ContactTerms, budget: float) -> TierContext:
-    """Decide everything that the templates of fixed steps show, for equal masses."""
+def tier_context(terms: ContactTerms, budget: float, alone: bool) -> TierContext:
+    """Decide everything that the templates of fixed steps show, for equal masses.
+
+    `alone`: for single calls.
+    """
     bound = bound_for(terms, budget)
+    bound, made = (bound.alone(), stage_alone) if alone else (bound, stage)
     pressed = Pressed.of(pressed_changes(terms, EQUAL))
     tableau = bound.tableau
     return TierContext(
         bound=bound,
+        alone=alone,
         differences=differences(terms),
         sizes=sizes(),
         entering=entering(terms),
         certificate=certificate(bound, pressed),
         further=further(bound, pressed),
-        stages=tuple(stage(tableau, pressed, i) for i in range(1, tableau.stages)),
+        stages=tuple(made(tableau, pressed, i) for i in range(1, tableau.stages)),
         powers=tuple(i for i, weight in enumerate(tableau.b) if weight),
-        end=end(tableau, pressed),
+        end=end(tableau, pressed, alone),
         advance=advance(tableau, pressed),
         turn=turn(tableau, pressed),
-        finish=finish(tableau),
+        finish=finish(tableau, pressed, alone),
         weights=end_weights(tableau),
         leaving=leaving(terms),
         changed=changed(terms),

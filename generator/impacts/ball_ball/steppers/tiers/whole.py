@@ -40,7 +40,7 @@ def stage(tableau: PlainTableau, pressed: Pressed, i: int) -> Text:
     """Impulses until stage i, and the slips that they lead to: sum_ and y_ of their names."""
     lines = Lines(PRINTER)
     sums = {name: _weighed(lines, f"sum_{name}", tableau.a[i], name) for name in IMPULSES}
-    share = sp.Rational(*tableau.c[i].as_integer_ratio())
+    share = _rational(tableau.c[i])
     d_x, d_z, t_x, t_y = (sums[name] for name in IMPULSES)
     lines.number("y_c_x", _plus(_plus(_AT.c_x, pressed.k_x, d_x), -pressed.k_xt, t_x))
     lines.number("y_c_z", _plus(_plus(_AT.c_z, pressed.k_z, d_z), pressed.k_zt, t_y))
@@ -52,7 +52,35 @@ def stage(tableau: PlainTableau, pressed: Pressed, i: int) -> Text:
     return lines.part()
 
 
-def end(tableau: PlainTableau, pressed: Pressed) -> Text:
+def stage_alone(tableau: PlainTableau, pressed: Pressed, i: int) -> Text:
+    """The same for one collision: all but what the last rates add is made before they are there.
+
+    One or two operations then lie between the rates of a stage and the slips of the next, where
+    `stage` has three, for four operations more.
+    """
+    lines, row = Lines(PRINTER), tableau.a[i]
+    early = {n: _weighed(lines, f"early_{n}", row[:-1], n) for n in IMPULSES if any(row[:-1])}
+    share, last = _rational(tableau.c[i]), _rational(row[-1])
+
+    def moved(name: str, base: Number, *shares: tuple[sp.Expr, str]) -> None:
+        for weight, impulse in shares if early else ():
+            base = _plus(base, weight, early[impulse])
+        base = lines.number(f"early_{name}", base)
+        for weight, impulse in shares:
+            base = _plus(base, weight * last, number(f"k{i - 1}.{impulse}"))
+        lines.number(name, base)
+
+    driven = _plus(_AT.s_y, pressed.drive * share, _H)
+    moved("y_c_x", _AT.c_x, (pressed.k_x, "d_x"), (-pressed.k_xt, "t_x"))
+    moved("y_c_z", _AT.c_z, (pressed.k_z, "d_z"), (pressed.k_zt, "t_y"))
+    moved("y_s_x", _AT.s_x, (-pressed.recoil, "d_x"), (pressed.k_f, "t_x"))
+    moved("y_s_y", driven, (pressed.k_b, "d_z"), (pressed.k_f, "t_y"))
+    if tableau.b[i]:
+        moved("v", _plus(_V0, 2 * share, _H), (pressed.approach, "t_y"))
+    return lines.part()
+
+
+def end(tableau: PlainTableau, pressed: Pressed, alone: bool) -> Text:
     """Impulses of the whole collision, `all_` and their names."""
     lines = Lines(PRINTER)
     sums = {name: _weighed(lines, f"sum_{name}", tableau.b, name) for name in IMPULSES}
@@ -65,13 +93,12 @@ def end(tableau: PlainTableau, pressed: Pressed) -> Text:
     # v_n is not quite zero at q_c: with it J_c hardly depends on where q_c is.
     middle = lines.number("middle", fma(0.5 * given(pressed.approach), until, fma(2, q_c, _V0)))
     work_c = lines.number("j_c", fma(-2 * _H, inner, until * middle))
-    aimed = fma(ended.base, _V0 * _V0, fma(2, work, ended.kept * work_c))
+    aimed = fma(ended.base, _V0 * _V0, fma(_both(alone), work, ended.kept * work_c))
     v_end = lines.number("v_end", sqrt(larger(aimed, 0)))
     v = lines.number("v", _plus(fma(2, _H, _V0), pressed.approach, sums["t_y"]))
-    dq = lines.number("dq", 0.5 * (v_end - v))
-    rest = lines.number("rest", dq * near_inverse(larger(_H, LEAST_STEP)))
     last = tableau.stages - 1
-    lines.number("all_q", _H + dq)
+    rest = _rest(lines, pressed, v_end - v, f"k{last}", alone)
+    lines.number("all_q", _H + number("dq"))
     for name in IMPULSES:
         lines.number(f"all_{name}", fma(rest, number(f"k{last}.{name}"), sums[name]))
     return lines.part()
@@ -120,16 +147,15 @@ def turn(tableau: PlainTableau, pressed: Pressed) -> Text:
     return lines.part()
 
 
-def finish(tableau: PlainTableau) -> Text:
-    """Impulses of the whole collision after the second phase, `all_` and their names."""
+def finish(tableau: PlainTableau, pressed: Pressed, alone: bool) -> Text:
+    """Impulses of the whole collision after the last step, `all_` and their names."""
     lines, met, ended = Lines(PRINTER), Fields("met"), Fields("end")
     first = met.approach * met.approach
-    aimed = fma(ended.base, first, fma(2, met.work, ended.kept * met.work_c))
+    aimed = fma(ended.base, first, fma(_both(alone), met.work, ended.kept * met.work_c))
     v_end = lines.number("v_end", sqrt(larger(aimed, 0)))
-    dq = lines.number("dq", 0.5 * (v_end - met.v0))
-    rest = lines.number("rest", dq * near_inverse(larger(_H, LEAST_STEP)))
-    lines.number("all_q", number("met.done.q") + dq)
     last = tableau.stages - 1
+    rest = _rest(lines, pressed, v_end - met.v0, f"k{last}", alone)
+    lines.number("all_q", number("met.done.q") + number("dq"))
     for name in IMPULSES:
         lines.number(
             f"all_{name}", fma(rest, number(f"k{last}.{name}"), number(f"met.done.{name}"))
@@ -137,10 +163,29 @@ def finish(tableau: PlainTableau) -> Text:
     return lines.part()
 
 
+def _both(alone: bool) -> Number | int:
+    """What the work of table friction is weighed by in v_n^2: alone, 0 where v_n ends at zero."""
+    return number("end.both") if alone else 2
+
+
+def _rest(lines: Lines, pressed: Pressed, lacking: Number, last: str, alone: bool) -> Number:
+    """The share of a step that v_n lacks until the end, by the rates at the last stage; dq of it.
+
+    v_n at the end moves with what is missing by those rates, too; but not where it is zero, so that
+    they count there: 1 / (2 + t) is 1/2 - t/4 for a dq that is small itself.
+    """
+    per_h = lines.number("per_h", near_inverse(larger(_H, LEAST_STEP)))
+    half: Number | float = 0.5
+    if alone:
+        drag = number("end.stays") * per_h
+        half = fma(-given(pressed.approach) * drag, number(f"{last}.t_y"), 0.5)
+    return lines.number("rest", lines.number("dq", half * lacking) * per_h)
+
+
 def end_weights(tableau: PlainTableau) -> tuple[tuple[str, str], ...]:
     """C++ of what depends on e_b alone, by name: in doubles, once a batch or call."""
     w, v, x = sp.symbols("w v x", real=True)
-    nodes = [sp.Rational(*n.as_integer_ratio()) for n in tableau.nodes]
+    nodes = [_rational(n) for n in tableau.nodes]
     printer = ExpressionPrinter(False)
     found = []
     for i, node in enumerate(nodes):
@@ -168,15 +213,19 @@ def _sum_of(lines: Lines, name: str, weights: str, values: Sequence[Number]) -> 
     return lines.number(name, total)
 
 
+def _rational(value: Fraction) -> sp.Rational:
+    return sp.Rational(*value.as_integer_ratio())
+
+
 def _weighed(lines: Lines, target: str, row: Sequence[Fraction], name: str) -> Number:
     return _sum(lines, target, [(w, number(f"k{j}.{name}")) for j, w in enumerate(row) if w])
 
 
 def _sum(lines: Lines, name: str, weights: Sequence[tuple[Fraction, Number]]) -> Number:
     (first, value), *others = weights
-    total = given(sp.Rational(*first.as_integer_ratio())) * value
+    total = given(_rational(first)) * value
     for weight, other in others:
-        total = fma(given(sp.Rational(*weight.as_integer_ratio())), other, total)
+        total = fma(given(_rational(weight)), other, total)
     return lines.number(name, total)
 
 
