@@ -26,10 +26,10 @@ sys.path.insert(0, str(ROOT))
 from generator.choice.selection import read_selection  # noqa: E402
 from generator.emission.kernel_source import emit  # noqa: E402
 from generator.errors import InputError, KernelError  # noqa: E402
+from generator.impacts.ball_ball.presets import PRESETS  # noqa: E402
 from generator.impacts.ball_ball.scene import find_scene, scenes  # noqa: E402
 from generator.registry.axes import axes_of  # noqa: E402
 from generator.registry.lane_numbers import widths_for  # noqa: E402
-from generator.registry.presets import PRESETS  # noqa: E402
 from generator.registry.rules import broken_rule  # noqa: E402
 from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant  # noqa: E402
 from generator.tableaus.tableaus import TABLEAUS  # noqa: E402

@@ -24,7 +24,7 @@ from generator.evidence.timing.bench_tool import CaseSet
 from generator.evidence.timing.plan import PlannedKernel, TimingPlan
 from generator.evidence.timing.rounds import Rounds
 from generator.evidence.verification.errors import Array
-from generator.registry.presets import find_preset
+from generator.impacts.ball_ball.presets import find_preset
 from generator.registry.variant import Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target

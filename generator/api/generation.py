@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from ..choice.candidates import candidates_of
+from ..choice.candidates import candidates_of, published_name
 from ..choice.choose import Choice
 from ..choice.entries import selected, write_selected
 from ..choice.folder import checked_selection, require_writable
@@ -16,7 +16,6 @@ from ..choice.selection import Selected, place_of
 from ..choice.workbench import Workbench
 from ..errors import InputError
 from ..evidence.verification.evidence import evidence_of
-from ..registry.presets import preset_of
 from ..registry.question import DEFAULT_IMPACT, Contest, Goal, find_impact
 from ..targets.host import Host
 from ..targets.target import Target
@@ -170,7 +169,7 @@ class Decision:
             ratio, interval = (cycles / first if cycles and first else None), None
         verdict = verdict_of(c)
         return Row(
-            label=preset_of(c.variant) or f"{c.variant.question.width} {c.variant.recipe}",
+            label=published_name(c.variant) or f"{c.variant.question.width} {c.variant.recipe}",
             ns=timed.ns if timed else None,
             latency=timing.latency_ns if timing else None,
             cycles=cycles,

@@ -9,7 +9,6 @@ from ..impacts import registry as all_impacts
 from ..impacts.ball_ball.models import MODELS
 from ..registry.axes import AXES
 from ..registry.lanes import INSTRUCTION_SETS
-from ..registry.presets import PRESETS
 from ..registry.rules import RULES
 from ..targets.host import Host, read_host
 from ..targets.target import Target
@@ -159,6 +158,7 @@ def models() -> tuple[ModelRow, ...]:
 
 def variants() -> Variants:
     """The options of kernels, the lanes of vectors, what is refused, and the presets."""
+    presets = all_impacts.find_impact(all_impacts.DEFAULT).part("presets").PRESETS
     return Variants(
         axes=tuple(ChoiceRow(a.key, c.code, c.text) for a in AXES for c in a.choices),
         lanes=tuple(
@@ -166,5 +166,5 @@ def variants() -> Variants:
             for each in INSTRUCTION_SETS
         ),
         rules=tuple(RuleRow(rule.name, rule.reason) for rule in RULES),
-        presets=tuple(PresetRow(p.name, p.text, p.options) for p in PRESETS),
+        presets=tuple(PresetRow(p.name, p.text, p.options) for p in presets),
     )

@@ -12,7 +12,6 @@ from ..errors import InputError
 from ..impacts.derivation import Chapter, derivation_of
 from ..registry.axes import axis
 from ..registry.names import name_of, source_name_of
-from ..registry.presets import find_preset
 from ..registry.question import DEFAULT_IMPACT, find_impact
 from ..registry.variant import Variant, fixed_steps, make_variant
 from ..targets.target import find_target
@@ -99,4 +98,6 @@ def _find(kernel: str, target: str, model: str | None, session: Session) -> Vari
     find_target(target)
     impact = find_impact(DEFAULT_IMPACT)
     name = impact.find_model(model or impact.default_model).name
-    return make_variant(target, "any", name, fixed_steps(1000), **find_preset(kernel).options)
+    return make_variant(
+        target, "any", name, fixed_steps(1000), **impact.part("presets").find_preset(kernel).options
+    )

@@ -61,6 +61,19 @@ def published(contest: Contest) -> dict[str, Variant]:
     return {name: _answered(contest, FIXED, options) for name, options in rows.items()}
 
 
+def published_name(variant: Variant) -> str:
+    """Its name among what others published, whichever compiler makes it, or empty."""
+    if variant.stepper.family != "fixed" or variant.width > 1:
+        return ""
+    for name, options in candidates_of(variant.question.row).published.items():
+        same = {**options, "compiler": variant["compiler"]}
+        if not target_or_port(variant.target).has("fma"):
+            same["fma"] = "nofma"
+        if answered(variant.question, FIXED, same).options == variant.options:
+            return name
+    return ""
+
+
 def singles_for(
     contest: Contest, compilers: Iterable[str], reproducible: bool = False
 ) -> list[Variant]:
@@ -232,7 +245,7 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
 def baseline(contest: Contest, compilers: Iterable[str]) -> Variant:
     """What all are timed against, by fixed steps; with FMA where there is any.
 
-    For two balls `paper-initial`: the report's initial C with the report's flags. A scene without
+    As `paper-initial`: the report's initial C with the report's flags. A scene without
     fixed-step kernels is compared with that of scene `any`.
     """
     codes, target = tuple(compilers), target_or_port(contest.target)

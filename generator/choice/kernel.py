@@ -61,11 +61,7 @@ class Emitted:
 
     @property
     def sources(self) -> dict[str, str]:
-        return {
-            "carom.h": self.source.header,
-            "kernel.cpp": self.source.source,
-            "probe.cpp": self.source.probe,
-        }
+        return self.source.files
 
     @property
     def with_regions(self) -> dict[str, str]:

@@ -18,6 +18,7 @@ from ..errors import KernelError
 from ..evidence.records.code import key_of
 from ..evidence.timing.bench_tool import Way
 from ..evidence.verification.errors import Array
+from ..impacts.impact import Impact
 from ..lowering.lanes import lane_context
 from ..registry.lane_numbers import precision_of
 from ..registry.question import Contest
@@ -60,7 +61,7 @@ def modelled(bench: Workbench, candidate: Emitted, target: Target, cases: Array)
     probe = {"probe.cpp": candidate.sources["probe.cpp"]}
     compiler, flags = candidate.compiler, candidate.flags
     wide = candidate.variant.width > 1
-    chosen = _batch_of(cases) if wide else cases
+    chosen = _batch_of(cases, candidate.variant.question.row) if wide else cases
     chosen = chosen[: _count(candidate.variant)]
 
     def make() -> dict[str, Any]:
@@ -79,14 +80,16 @@ def _count(variant: Variant) -> int:
     return FIXED_CASES_IN_LANES if variant.width > 1 else FIXED_CASES
 
 
-def _batch_of(cases: Array) -> Array:
-    """The cases with the parameters of the first but u_b, as one call of a batch has them.
+def _batch_of(cases: Array, impact: Impact) -> Array:
+    """The cases with the parameters of the first but the varied one, as a call of a batch has them.
 
-    Every R w stays as it is.
+    Every spin times the radius stays as it is.
     """
-    shared = cases.copy()
-    shared[:, [*range(12, 15), *range(21, 24)]] *= cases[:, :1] / cases[0, 0]
-    shared[:, [0, 1, 2, 3, 5]] = cases[0, [0, 1, 2, 3, 5]]
+    columns, shared = impact.columns, cases.copy()
+    radius = columns.parameters.index(columns.radius)
+    shared[:, columns.spins] *= cases[:, [radius]] / cases[0, radius]
+    kept = [n for n, key in enumerate(columns.parameters) if key != impact.functions.varied]
+    shared[:, kept] = cases[0, kept]
     return shared
 
 

@@ -8,15 +8,16 @@ from typing import Any, TypeVar
 
 import click
 
+from ..impacts import DEFAULT
+
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 PLACE = click.Path(path_type=Path)
 TARGET = click.option(
     "--target", default="native", show_default=True, help="CPU: native, zen3, ... (list targets)"
 )
-USUAL_IMPACT = "ball-ball"  # as registry.question, which would load what --help does not need
 IMPACT = click.option(
-    "--impact", default=USUAL_IMPACT, show_default=True, help="what collides (list impacts)"
+    "--impact", default=DEFAULT, show_default=True, help="what collides (list impacts)"
 )
 SCENE = click.option(
     "--scene", default="any", show_default=True, help="what is known of a shot (list scenes)"

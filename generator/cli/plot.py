@@ -10,6 +10,7 @@ import click
 from .. import api
 from ..errors import InputError
 from ..files import require_place, write_file
+from ..impacts import DEFAULT
 from . import options
 from .show import rows_of, session, show
 
@@ -27,8 +28,8 @@ def plot(out: Path, models: bool, source: Path | None, impact: str, **asked: Any
     """Draw time against error of fixed steps and exact steppers; its data goes beside as JSON."""
     if out.suffix != ".svg":
         raise InputError(f"{out}: expected the name of an SVG file, as plot.svg")
-    if impact != options.USUAL_IMPACT and not models:
-        alone = f"times are drawn of {options.USUAL_IMPACT} alone"
+    if impact != DEFAULT and not models:
+        alone = f"times are drawn of {DEFAULT} alone"
         raise InputError(f"--impact {impact}: {alone}; add --models")
     require_place(out)
     if models:

@@ -9,6 +9,7 @@ import click
 
 from .. import api
 from ..errors import InputError
+from ..impacts import DEFAULT
 from . import options
 from .show import session
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 @click.option("--target", help="CPUs with commas, as zen3,x86-64-v3; several get a dispatcher")
 @click.option(
     "--impact",
-    default=options.USUAL_IMPACT,
+    default=DEFAULT,
     show_default=True,
     help="what collides, several with commas (list impacts)",
 )

@@ -40,6 +40,11 @@ class KernelSource:
     text_counts: OperationCounts  # of all that stands in the source
     marked: str = ""  # as `source`, not formatted, with the marks of emission/marks.py
 
+    @property
+    def files(self) -> dict[str, str]:
+        """What is compiled."""
+        return {"carom.h": self.header, "kernel.cpp": self.source, "probe.cpp": self.probe}
+
 
 def _head(variant: Variant, naming: Naming) -> KernelHead:
     impact = find_impact(variant.question.impact)

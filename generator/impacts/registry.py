@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from ..errors import named
+from . import DEFAULT as DEFAULT
 from .ball_ball.row import BALL_BALL
 from .ball_cushion.row import BALL_CUSHION
 from .impact import Impact
 
 IMPACTS: tuple[Impact, ...] = (BALL_BALL, BALL_CUSHION)
-DEFAULT = BALL_BALL.name
 
 
 def find_impact(name: str) -> Impact:

@@ -24,7 +24,7 @@ Call = Literal["scalar", "batch"]
 CALLS: tuple[Call, ...] = ("scalar", "batch")
 
 DEFAULT_IMPACT = impacts.DEFAULT
-EXPECTED = "IMPACT/TARGET/SCENE/MODEL-GOAL-WIDTH, as ball-ball/zen3/any/pooltool-e1m06-x1"
+EXPECTED = f"IMPACT/TARGET/SCENE/MODEL-GOAL-WIDTH, as {DEFAULT_IMPACT}/zen3/any/pooltool-e1m06-x1"
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from ..tableaus.tableaus import TABLEAUS
 from ..targets.target import Target
@@ -11,7 +12,6 @@ from .lane_numbers import precision_of, steps_in_doubles
 from .lanes import widths_of
 from .recipe import SERIES
 from .roots import EXACT_ROOTS, allows, allows_floats
-from .tiers import has_bound, takes_fixed_steps, takes_tiers
 from .variant import Variant
 
 
@@ -36,6 +36,11 @@ def _floats(v: Variant) -> bool:
 def _fixed(v: Variant, key: str) -> bool:
     """Are there fixed steps in front of the adaptive ones?"""
     return v.get(key, "adaptive") != "adaptive"
+
+
+def _tiers(v: Variant) -> Any:
+    """For which kernels of its impact fixed steps are known to do."""
+    return v.question.row.part("tiers")
 
 
 def _closed(v: Variant) -> bool:
@@ -248,18 +253,18 @@ RULES: tuple[Rule, ...] = (
         "and lane_tiers=adaptive",
         lambda v, _t: (
             (_fixed(v, "tiers") or _fixed(v, "lane_tiers"))
-            and not has_bound(v.model, v.stepper.budget or 0.0)
+            and not _tiers(v).has_bound(v.model, v.stepper.budget or 0.0)
         ),
     ),
     Rule(
         "tiers-need-equal-balls",
         "fixed steps know equal masses in doubles, with table friction: use tiers=adaptive",
-        lambda v, _t: _fixed(v, "tiers") and not takes_fixed_steps(v.scene),
+        lambda v, _t: _fixed(v, "tiers") and not _tiers(v).takes_fixed_steps(v.scene),
     ),
     Rule(
         "lane-tiers-need-a-plain-scene",
         "fixed steps in lanes ask nothing of speeds or motions: use lane_tiers=adaptive",
-        lambda v, _t: _fixed(v, "lane_tiers") and not takes_tiers(v.scene),
+        lambda v, _t: _fixed(v, "lane_tiers") and not _tiers(v).takes_tiers(v.scene),
     ),
     Rule(
         "lane-tiers-are-in-floats",

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..registry.question import DEFAULT_IMPACT, find_impact
 from .findings import sources_hash
 from .known import Known
 from .plots import Plot
@@ -45,11 +46,15 @@ def make_report(known: Known) -> Report:
     points = known.findings.growth if known.findings else ()
     swept, measured = contests.data(known), kernels.data(known)
     pairs = effects.effects_of(known.contests)
+    impact = find_impact(DEFAULT_IMPACT)
     document = {
         "schema": SCHEMA,
         "title": f"Collision kernels for {known.target}",
         "scene": known.scene,
         "model": known.model,
+        "collides": impact.text,
+        "relative_to": impact.relative_to,
+        "varied": impact.functions.varied,
         "made_at": known.made_at,
         "machine": machine.data(known),
         "commands": known.commands,

@@ -17,6 +17,7 @@ from click.testing import CliRunner, Result
 
 import generator.api.session as session
 from generator.api import read_cases
+from generator.choice.candidates import published_name
 from generator.choice.folder import write_folder
 from generator.choice.selection import Selected, Selection, read_selection
 from generator.cli.main import gen
@@ -25,11 +26,11 @@ from generator.evidence.verification.verdict import Verdict
 from generator.impacts.ball_ball.evidence import PUBLISHED
 from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
 from generator.impacts.ball_ball.evidence.measure import OUTCOME_COLUMNS, OUTCOME_NAMES, STICKS
+from generator.impacts.ball_ball.presets import find_preset
 from generator.impacts.ball_ball.row import BALL_BALL
 from generator.impacts.ball_ball.scene import parse_scene
 from generator.registry.lane_numbers import widths_for
 from generator.registry.names import name_of, variant_of
-from generator.registry.presets import find_preset, preset_of
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Variant
 from generator.targets.target import find_target, load_rows, targets
@@ -465,13 +466,13 @@ def test_every_target_has_legal_candidates(target) -> None:
     assert len(set(names)) == len(names) > 20
     assert all(broken_rule(v, find_target(target)) is None for v in made)
     first = baseline(find_target(target), "any", "pooltool", ["gcc", "clang"])
-    assert made[0] == first and preset_of(first) == "paper-initial"
+    assert made[0] == first and published_name(first) == "paper-initial"
 
 
 def test_report_rows_are_named() -> None:
     for name in ("paper-initial", "paper-best"):
-        assert preset_of(variant(**find_preset(name).options)) == name
-    assert preset_of(variant()) == ""
+        assert published_name(variant(**find_preset(name).options)) == name
+    assert published_name(variant()) == ""
 
 
 # ---- data files ------------------------------------------------------------------------------

@@ -9,15 +9,15 @@ from dataclasses import replace
 import pytest
 
 import generator.impacts.ball_ball.candidates as candidates
+import generator.impacts.ball_ball.presets as presets
 import generator.registry.axes as axes_room
-import generator.registry.presets as presets
 import generator.targets.host as host
 import generator.targets.target as target_room
 from generator.choice.folder import differences
 from generator.emission.kernel_source import emit
 from generator.evidence.records.files import read_records
+from generator.impacts.ball_ball.presets import Preset, find_preset
 from generator.registry.names import name_of, variant_of
-from generator.registry.presets import Preset, find_preset
 from generator.registry.variant import fixed_steps, make_variant
 from generator.targets.target import find_target, targets
 from tests.support.contests import fixed_step_candidates

@@ -23,11 +23,11 @@ from generator.emission.environment import environment, templates_folder
 from generator.emission.kernel_source import emit
 from generator.errors import InputError
 from generator.impacts.ball_ball.evidence import MODELS
+from generator.impacts.ball_ball.presets import find_preset
 from generator.impacts.ball_ball.scene import find_scene, scenes
 from generator.registry.lane_numbers import precision_of
 from generator.registry.lanes import widths_of
 from generator.registry.names import name_of, variant_named
-from generator.registry.presets import find_preset
 from generator.registry.question import Goal
 from generator.registry.rules import require_legal
 from generator.targets.target import find_target

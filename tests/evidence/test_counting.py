@@ -13,10 +13,10 @@ from generator.choice.selection import read_selection
 from generator.emission.kernel_source import emit
 from generator.evidence.profiling.counting import KINDS, count_operations, instrumented
 from generator.impacts.ball_ball.evidence.scene_cases import cases_for_scene
+from generator.impacts.ball_ball.presets import PRESETS, find_preset
 from generator.impacts.ball_ball.scene import find_scene
 from generator.lowering.counts import OperationCounts
 from generator.registry.names import name_of
-from generator.registry.presets import PRESETS, find_preset
 from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target

@@ -13,7 +13,7 @@ from generator.evidence.profiling.misses import own_costs, simulate_misses
 from generator.evidence.profiling.passes import steps_a_collision
 from generator.evidence.profiling.sampling import sample
 from generator.evidence.profiling.sections import SECTIONS, sections_of
-from generator.registry.presets import find_preset
+from generator.impacts.ball_ball.presets import find_preset
 from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -30,10 +30,6 @@ def _kernel(preset: str, target: str = "x86-64-v2") -> tuple[Variant, KernelSour
     options = {**find_preset(preset).options, "fma": "nofma"}
     variant = make_variant(target, "any", "mathavan2014", EULER, **options)
     return variant, emit(variant)
-
-
-def _files(source: KernelSource) -> dict[str, str]:
-    return {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
 
 
 def _with_regions(source: KernelSource) -> dict[str, str]:
@@ -71,7 +67,7 @@ def test_samples_of_the_report_s_kernel_fall_almost_all_into_the_loop() -> None:
     compiler = compiler_of(variant)
     flags = compile_flags(variant, compiler, find_target(variant.target))
     cases = bench_tool().make_cases(1, 256).rows
-    found = sample(_files(source), compiler, flags, cases, 0.5, CACHE)
+    found = sample(source, compiler, flags, cases, 0.5, CACHE)
     print(f"{found.samples} samples, {found.unknown:.2%} unknown, {dict(found.shares)}")
     assert set(found.shares) == set(SECTIONS)
     assert sum(found.shares.values()) + found.unknown == pytest.approx(1)
@@ -86,7 +82,7 @@ def test_valgrind_counts_the_kernel_alone() -> None:
     variant, source = _kernel("reduced-ahead")
     compiler = compiler_of(variant)
     flags = compile_flags(variant, compiler, find_target(variant.target))
-    library = build_library(_files(source), (), compiler, flags, CACHE)
+    library = build_library(source.files, (), compiler, flags, CACHE)
     cases = bench_tool().make_cases(1, 64).rows
     found = simulate_misses(bench_tool().executable, library.path, cases)
     print(found)

@@ -11,9 +11,9 @@ from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
 from generator.impacts.ball_ball.evidence.measure import STATUS
 from generator.impacts.ball_ball.row import BALL_BALL
+from generator.impacts.ball_ball.tiers import has_bound
 from generator.registry.roots import allows_floats
 from generator.registry.rules import broken_rule
-from generator.registry.tiers import has_bound
 from generator.registry.variant import Stepper, fixed_steps, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from generator.impacts.ball_ball.evidence import MODELS
-from generator.registry.presets import find_preset
+from generator.impacts.ball_ball.presets import find_preset
 from generator.toolchain.build import BuiltLibrary
 from tests.support.kernels import build_all, variant
 from tests.support.reference import load_reference

@@ -24,13 +24,13 @@ from generator.impacts.ball_ball.evidence.scene_cases import cases_for_scene
 from generator.impacts.ball_ball.masses import masses_of, pressed_changes
 from generator.impacts.ball_ball.models import MODELS
 from generator.impacts.ball_ball.parameters import CASE_M1
+from generator.impacts.ball_ball.presets import find_preset
 from generator.impacts.ball_ball.reduced import reduced_system
 from generator.impacts.ball_ball.scene import Scene, parse_scene
 from generator.impacts.ball_ball.terms import MASS_RATIOS
 from generator.registry.lane_numbers import float_lanes
 from generator.registry.lanes import widths_of
 from generator.registry.names import name_of
-from generator.registry.presets import find_preset
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, Variant, make_variant
 from generator.toolchain.build import BuildJob, BuiltLibrary, build_many

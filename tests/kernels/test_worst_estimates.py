@@ -20,10 +20,10 @@ from generator.evidence.verification.worst_estimates import (
 )
 from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.evidence.measure import errors_of
+from generator.impacts.ball_ball.presets import find_preset
 from generator.impacts.ball_ball.row import BALL_BALL
 from generator.lowering.isa import estimates_in
 from generator.registry.lanes import widths_of
-from generator.registry.presets import find_preset
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, fixed_steps, make_variant
 from generator.steppers.budgets import tableaus_for

@@ -10,6 +10,7 @@ import pytest
 from generator.emission.kernel_source import emit
 from generator.evidence.timing.bench_tool import BenchTool
 from generator.impacts.ball_ball.evidence import MODELS
+from generator.impacts.ball_ball.presets import PAPER_PRESETS, PRESETS, find_preset
 from generator.registry.axes import axes_of, axis
 from generator.registry.names import (
     name_of,
@@ -18,7 +19,6 @@ from generator.registry.names import (
     variant_named,
     variant_of,
 )
-from generator.registry.presets import PAPER_PRESETS, PRESETS, find_preset
 from generator.registry.roots import EXACT_ROOTS
 from generator.registry.rules import RULES, broken_rule, require_legal
 from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant

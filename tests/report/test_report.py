@@ -20,8 +20,8 @@ from generator.api import read_cases
 from generator.choice.trials import Final, Trial
 from generator.cli.main import gen
 from generator.impacts.ball_ball.evidence.measure import CASE_NAMES
+from generator.impacts.ball_ball.presets import PAPER_PRESETS
 from generator.registry.names import variant_of
-from generator.registry.presets import PAPER_PRESETS
 from generator.registry.variant import Stepper, make_variant
 from generator.report.contests import contests_of, latest, summary_of
 from generator.report.experiments.accuracy import kinds_of

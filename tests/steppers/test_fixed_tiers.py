@@ -18,8 +18,8 @@ from generator.impacts.ball_ball.models import MODELS, find_model
 from generator.impacts.ball_ball.steppers.exact.pressed import Pressed
 from generator.impacts.ball_ball.steppers.tiers.bounds import bound_for
 from generator.impacts.ball_ball.steppers.tiers.whole import end_weights, stage, stage_alone
+from generator.impacts.ball_ball.tiers import has_bound
 from generator.registry.rules import broken_rule
-from generator.registry.tiers import has_bound
 from generator.registry.variant import Stepper as Exact
 from generator.registry.variant import Variant, make_variant
 from generator.tableaus.plain import BUTCHER_6

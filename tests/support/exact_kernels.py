@@ -12,8 +12,8 @@ from generator.evidence.timing.bench_tool import BenchTool
 from generator.evidence.verification.errors import Array, nudged
 from generator.impacts.ball_ball.evidence import MODELS as MODELS
 from generator.impacts.ball_ball.evidence.measure import SPEEDS, STATUS, errors_of, rounding_of
+from generator.impacts.ball_ball.presets import find_preset
 from generator.impacts.ball_ball.row import BALL_BALL
-from generator.registry.presets import find_preset
 from generator.registry.roots import COARSEST_FIRST, allows
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, Variant, make_variant

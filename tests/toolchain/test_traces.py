@@ -13,7 +13,7 @@ from generator.choice.workbench import Workbench
 from generator.errors import KernelError
 from generator.evidence.timing.bench_tool import Way
 from generator.evidence.verification.errors import Array
-from generator.registry.presets import find_preset
+from generator.impacts.ball_ball.presets import find_preset
 from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target

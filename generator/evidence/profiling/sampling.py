@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...emission.environment import environment
+from ...emission.kernel_source import KernelSource
 from ...errors import KernelError
 from ...toolchain.build import build_library
 from ...toolchain.compilers import Compiler
@@ -39,18 +40,25 @@ class Sampled:
 
 
 def sample(
-    sources: Mapping[str, str],
+    source: KernelSource,
     compiler: Compiler,
     flags: tuple[str, ...],
     cases: Array,
     seconds: float,
     cache: Path,
 ) -> Sampled:
-    """Run a kernel on cases (rows of 24) for a while. Raises KernelError where that fails."""
+    """Run a kernel on rows of cases for a while. Raises KernelError where that fails."""
     if shutil.which("addr2line") is None:
         raise KernelError("sections: no addr2line (apt-get install binutils)")
-    kernel = build_library(sources, (), compiler, (*flags, "-g"), cache, "sampled kernel")
-    text = environment().get_template("sampling/sample.cpp.j2").render()
+    kernel = build_library(source.files, (), compiler, (*flags, "-g"), cache, "sampled kernel")
+    row = source.variant.question.row
+    text = (
+        environment()
+        .get_template("sampling/sample.cpp.j2")
+        .render(
+            abi=row.functions, parameters=len(row.columns.parameters), width=len(row.columns.case)
+        )
+    )
     sampler = build_library({"sample.cpp": text}, (), compiler, _FLAGS, cache, "sampler")
     taken = call_isolated(
         "carom_sample", sampler.path, cases, 300 + 5 * seconds, kernel.path.resolve(), seconds
@@ -58,7 +66,7 @@ def sample(
     at = {int(offset): int(count) for offset, count in taken["at"]}
     if not at:
         raise KernelError("sections: no sample fell into the kernel")
-    by_line = sections_of(sources["kernel.cpp"])
+    by_line = sections_of(source.source)
     totals = dict.fromkeys(SECTIONS, 0)
     unknown = 0
     for offset, section in _sections_at(kernel.path, list(at), by_line).items():

@@ -17,9 +17,9 @@ _FUNCTION = re.compile(r"^[A-Za-z_][\w:<>,&* ]*?\b(\w+)\([^;]*$")
 _PRE = re.compile(
     r"enter|valid|in_range|finite9|moderate|of_scene|fast_as_scene|contact_friction|parameters_of"
     r"|step|collide_one|begin|complete|step_limit|\w+_collide(?:_steps|_batch)?"
-    r"|load_some|read_balls|friction_of|per_distance_of|contact_of|status_of|take_up|refill"
+    r"|load_some|read_\w+|friction_of|per_distance_of|contact_of|status_of|take_up|refill"
 )
-_POST = re.compile(r"leave|copy_balls|step_level|put_down|store_some|origin_of|after_loops|finish")
+_POST = re.compile(r"leave|copy_\w+|step_level|put_down|store_some|origin_of|after_loops|finish")
 _IMPULSE = re.compile(r"rates_at|rates_at_rest|select_rates|tail_rates")
 _UPDATE = re.compile(
     r"advance|finish_sticking|remaining_impulse|interpolant|joint_error"
@@ -31,7 +31,7 @@ _STEPPED = re.compile(r"iterate\w*|step_pressed")
 _LOOP = re.compile(r"^\s*(?:while|for) \(")
 # Velocities, slips, work and the count: what a loop carries from one iteration to the next.
 _CARRIED = re.compile(
-    r"^\s*(?:[vow][12](?:[xyz]|\[\d\])|s[12](?:[xy]|\[\d\])|c_[xz]|c\[\d\]|v_n|W|W_f|compressed"
+    r"^\s*(?:[vow]\d(?:[xyz]|\[\d\])|s\d(?:[xy]|\[\d\])|c_[xz]|c\[\d\]|v_n|W|W_f|compressed"
     r"|[xz]_lane|[vo]_[xyz](?:\[\d\])?|sum_\w+)\s*(?:=|\+=|-=)[^=]"
 )
 _CONTROL = re.compile(r"^\s*(?:while|for) \(|\+\+count|compressed|steady|break;")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...choice.candidates import Candidates
-from ...registry.presets import BASELINE, PAPER_PRESETS, find_preset
 from ...steppers.budgets import tableaus_for
+from .presets import BASELINE, PAPER_PRESETS, find_preset
 
 # Our short list for fixed steps: the slips alone and one pressed ball, in the ways of making 1/|c|
 # and of writing the loop that have won somewhere.

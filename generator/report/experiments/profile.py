@@ -71,7 +71,7 @@ def profile(
     found = attempt(
         "sections",
         lambda: sample(
-            candidate.sources, candidate.compiler, candidate.flags, timed, seconds, cache
+            candidate.source, candidate.compiler, candidate.flags, timed, seconds, cache
         ),
     )
     misses = list(_by_hardware(found, host))

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...registry.presets import PAPER_PRESETS
+from ...impacts.ball_ball.presets import PAPER_PRESETS
 from ..experiments.subjects import BASELINE
 from ..known import Known
 

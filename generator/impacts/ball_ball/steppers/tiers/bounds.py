@@ -168,7 +168,7 @@ _ROWS: tuple[_Row, ...] = (
 
 
 def bound_for(terms: ContactTerms, budget: float) -> Bound:
-    """The certificates for a budget. ValueError where none are known (registry/tiers.py)."""
+    """The certificates for a budget. ValueError where none are known (tiers.py of the impact)."""
     for row in _ROWS:
         if row.terms == terms and budget >= row.least:
             return row.bound

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..errors import InputError
-from ..targets.target import find_target
-from .variant import Variant, make_variant
+from ...errors import InputError
 
 
 @dataclass(frozen=True)
@@ -101,17 +99,3 @@ def find_preset(name: str) -> Preset:
             return preset
     names = ", ".join(preset.name for preset in PRESETS)
     raise InputError(f"no preset or kernel '{name}'; presets are {names}")
-
-
-def preset_of(variant: Variant) -> str:
-    """The report's name for a variant, whichever compiler makes it, or empty."""
-    if variant.stepper.family != "fixed":
-        return ""
-    for preset in PAPER_PRESETS:
-        options = {**preset.options, "compiler": variant["compiler"]}
-        if not find_target(variant.target).has("fma"):
-            options["fma"] = "nofma"
-        head = variant.target, variant.scene, variant.model, variant.stepper
-        if make_variant(*head, **options).options == variant.options:
-            return preset.name
-    return ""

@@ -1,8 +1,8 @@
-"""For which exact kernels fixed steps with a certificate are known (an impact's steppers/tiers)."""
+"""For which exact kernels fixed steps with a certificate are known (steppers/tiers)."""
 
 from __future__ import annotations
 
-from ..impacts.ball_ball.scene import find_scene
+from .scene import find_scene
 
 _LEAST = {
     "mathavan2014": 1e-6,
