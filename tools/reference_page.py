@@ -48,19 +48,23 @@ def _header() -> str:
 
 def _typed() -> str:
     """What carom.hpp declares; a function's body is no part of it."""
-    text = (ROOT / "templates" / "ball_ball" / "typed.hpp.j2").read_text("utf-8")
-    text = text[text.index("struct Vector {") : text.index("}  // namespace")]
+    shared, own = (
+        (ROOT / "templates" / room / "typed.hpp.j2").read_text("utf-8")
+        for room in ("vendor", "ball_ball")
+    )
+    text = shared[shared.index("struct Vector {") : shared.index("}  // namespace")]
+    text = text.replace("{% include p.typed %}\n", own.split("\n", 2)[2])
     text = re.sub(r"^\{% else %\}\n(.*\n)*?\{% endif %\}\n", "", text, flags=re.MULTILINE)
     text = re.sub(r"^\{%.*%\}\n", "", text, flags=re.MULTILINE)
     text = re.sub(r"^// \{%.*\n", "", text, flags=re.MULTILINE)
-    text = text.replace(" {{ v.varied_text }};", " `u_b` may be empty and")
+    text = text.replace(" {{ p.varied_text }};", " `u_b` may be empty and")
     text = re.sub(
         r"(^inline .*?noexcept) \{(?: [^\n]*|.*?\n)\}$",
         r"\1;",
         text,
         flags=re.MULTILINE | re.DOTALL,
     )
-    return text.replace("{{ v.prefix }}", "carom").replace("{{ v.upper }}", "CAROM")
+    return re.sub(r"\{\{ [vp]\.prefix \}\}", "carom", text).replace("{{ p.upper }}", "CAROM")
 
 
 def page() -> str:
