@@ -53,7 +53,7 @@ class _Row:
 
 _LOOSE = StepControl(0.25, 2.2, 10.0, 0.1, 100.0, 1.0)
 _CAREFUL = StepControl(0.09, 2.2, 7.0, 0.05, 100.0, 1.0)
-_USUAL = StepControl(0.21, 2.3, 7.0, 0.0167, 3.3, 6.0, 3.0, 0.002)
+_USUAL = StepControl(0.21, 2.3, 7.0, 0.011, 3.3, 6.0, 3.0, 0.002)
 _USUAL_DRIVEN = replace(_USUAL, depart=1.0, tail=8.0)
 _FINE = StepControl(0.7, 2.4, 4.5, 0.005, 0.025, 100.0, 3.0, 0.002)
 _FINE_DRIVEN = replace(_FINE, tolerance=0.5, tail=1000.0)

@@ -39,6 +39,20 @@ class Declared:
     tolerance = _named(
         "kTolerance", "|v1 - v2|", "what one step may be off: a share of the budget", BY_BUDGET
     )
+    spent = _named(
+        "kSpent",
+        "1",
+        "share of a step's error by which the tolerance of the next is less: that of a step over "
+        "the budget, so that what steps are seen to be off by comes to E at most, up to "
+        "`kLeastTolerance`",
+        "derived",
+    )
+    least_tolerance = _named(
+        "kLeastTolerance",
+        "kTolerance",
+        "0.1: of the first step's tolerance, what any step has; lanes leave what takes so many "
+        "steps to one lane",
+    )
     turn = _named("kTurn", "1", "scale of steps by the turning of the contact slip", BY_BUDGET)
     table = _named("kTable", "1", "scale of steps by the distance of s from zero", BY_BUDGET)
     passage = _named("kPassage", "tol", "error that one passage may make", BY_BUDGET)
@@ -87,6 +101,13 @@ class Declared:
         "kRest",
         "tol",
         "table slip times friction that counts as none; 0.03 of it where the table drives s on",
+    )
+    settled = _named(
+        "kSettled",
+        "tol",
+        "table slip that is taken away where it counts as none: five times kRest, what counts as "
+        "none at table friction of 0.2",
+        "with it left, `mathavan2014` was off by 2.8 E at 1e-9, by steps of 1000 |s|/|b|",
     )
     extend = _named(
         "kExtend",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from .....lowering.counts import OperationCounts
@@ -21,7 +22,19 @@ CAREFUL = 1e-8  # budget that steps which are made again have at most: that of t
 SQUARINGS = 8  # n of (1 - x/2^n)^(2^n), never above exp(-x), which no freestanding build has
 LEAST_STEP = 1e-16  # tolerance of a step, relative to |v1 - v2|, below which all is rounding
 SPIN = 2.5  # R w changes by so much of an impulse: 1 / (2/5) of a ball's inertia
+LEAST_TOLERANCE = 0.1
+ROUNDED = 2 / 3  # share of the budget that rounding in lanes of floats may come to
 NEGLECTED = 0.1  # share of the budget that a step may miss of what it does not look at
+
+
+def most_in_floats(budget: float) -> int:
+    """Steps that a collision may take in lanes of floats: others are left to doubles.
+
+    A step rounds sums of up to 1 by 2^-24, which weighs SPIN in R w and adds up as a random walk:
+    four standard deviations of it are ROUNDED of the budget.
+    """
+    deviation = SPIN * 2.0**-24 / math.sqrt(12)
+    return min(MOST_STEPS, int((ROUNDED * budget / (4 * deviation)) ** 2))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,9 +88,10 @@ class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
     @property
     def flight_fields(self) -> tuple[str, ...]:
         """What a collision holds between two steps, as exact/flight.j2 has it."""
-        start = ("v_n", "u_b", "u_s", "tolerance", "per_u_b")
+        start = ("v_n", "u_b", "u_s", "per_u_b")
         state = (
             *self.slip_names,
+            "tolerance",
             "q",
             "v",
             "work",
@@ -144,6 +158,16 @@ class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
         return decimal_product(self.control.tolerance, self.budget)
 
     @property
+    def spent(self) -> float:
+        """Of a step's error, by which the tolerance of the next is less: all make E at most."""
+        return self.control.tolerance
+
+    @property
+    def least_tolerance(self) -> float:
+        """Of the first step's, what any step has: errors that add up leave it."""
+        return LEAST_TOLERANCE
+
+    @property
     def drives(self) -> bool:
         """Does table friction drive the table slip on?"""
         return self.pressed.drives
@@ -152,6 +176,11 @@ class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
     def rest_share(self) -> float:
         """Table slip that counts as zero, in tolerances / friction; it matters where it grows."""
         return self.control.rest * (0.03 if self.drives else 1)
+
+    @property
+    def settled_share(self) -> float:
+        """Table slip that is taken away where it counts as zero, in tolerances."""
+        return _figures(5 * self.control.rest)
 
     @property
     def of_account(self) -> float:

@@ -24,6 +24,7 @@ from .....lowering.lane_algebra import (
     either,
     fma,
     given,
+    larger,
     mask,
     number,
     numbers,
@@ -39,7 +40,7 @@ from .pressed import Pressed
 
 Text = tuple[str, ...]
 AT, START, PLAN = Fields("at"), Fields("start"), Fields("plan")
-TOL = START.tolerance
+TOL = AT.tolerance
 TINY = Declared.tiny_square
 FLOAT_ROUNDING = constant("0x1p-23")
 PRINTER = ExpressionPrinter(True, fma_name="fma", number_format="real({})")
@@ -59,6 +60,7 @@ class PlanLines:
     slips: Text
     at_rest: Text
     drive: Text
+    settles: Text
     driven: Text
     drift: Text
     passing: Text
@@ -72,6 +74,8 @@ class PlanLines:
     halves: Text
     halved: Text
     over: Text
+    spends: Text
+    spends_in_lanes: Text
 
 
 def plan_lines(pressed: Pressed, drift: Text, floats: bool) -> PlanLines:
@@ -80,6 +84,7 @@ def plan_lines(pressed: Pressed, drift: Text, floats: bool) -> PlanLines:
         slips=_slips(pressed),
         at_rest=_at_rest(),
         drive=_drive(pressed),
+        settles=_settles(),
         driven=_driven(),
         drift=drift,
         passing=_passing(),
@@ -93,6 +98,8 @@ def plan_lines(pressed: Pressed, drift: Text, floats: bool) -> PlanLines:
         halves=_masks(halves=both(PLAN.h < AT.rest, 2 * PLAN.h > AT.rest)),
         halved=_set(PLAN.h, select(mask("halves"), 0.5 * AT.rest, PLAN.h)),
         over=_over(),
+        spends=_spends(),
+        spends_in_lanes=_spends_in_lanes(),
     )
 
 
@@ -141,6 +148,27 @@ def _at_rest() -> Text:
     phi, l_s = numbers("phi l_s")
     lines.set(PLAN.mask("at_rest"), phi * l_s <= Declared.rest * TOL)
     return lines.part()
+
+
+def _settles() -> Text:
+    """Slip that counts as none is taken away where it is small itself."""
+    lines = Lines(PRINTER)
+    lines.mask("settles", both(mask("stops"), number("l_s") <= Declared.settled * TOL))
+    for slip in (AT.s_x, AT.s_y):
+        lines.set(slip, select(mask("settles"), 0, slip))
+    return lines.part()
+
+
+def _spends() -> Text:
+    """Errors add up: what a step was off by is no longer there for the next."""
+    least = Declared.least_tolerance * START.tolerance
+    return _set(TOL, larger(fma(given(-Declared.spent.form), number("error"), TOL), least))
+
+
+def _spends_in_lanes() -> Text:
+    """Without a least: what takes so many steps is left to one lane."""
+    left = fma(given(-Declared.spent.form), number("error"), TOL)
+    return _set(TOL, select(mask("keeps"), left, TOL))
 
 
 def _drive(pressed: Pressed) -> Text:

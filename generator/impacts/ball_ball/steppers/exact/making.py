@@ -14,7 +14,7 @@ from ...scene import Scene
 from ...terms import ContactTerms, drives_its_slip
 from ..collision_ends import CollisionEnds, at_zero
 from .coefficients import coefficients
-from .context import ExactContext
+from .context import MOST_STEPS, ExactContext, most_in_floats
 from .parts import end_parts, step_parts
 from .pressed import Pressed
 from .step import ExactLowering
@@ -61,6 +61,12 @@ class _Kernel:
     def scaled(self) -> bool:
         """Squares of doubles need no scale where speeds are bounded; floats take any speeds."""
         return not self.scene.bounded or (self.lanes and self.floats)
+
+    @property
+    def most_steps(self) -> int:
+        """Of a collision; in lanes of floats as many as their rounding allows."""
+        leaves = self.lanes and self.floats and self.scene.precision == "double"
+        return most_in_floats(self.plan.budget) if leaves else MOST_STEPS
 
 
 def exact_context(
@@ -119,6 +125,7 @@ def _pressed_context(kernel: _Kernel) -> ExactContext:
         tiny_slip="1e-9" if floats else "1e-15",
         together=2 if variant.paired else 1,
         lane_bytes=variant.width * variant.vectors * (4 if floats else 8) if lanes else 8,
+        most_steps=kernel.most_steps,
         tiny_error=1e-36 if floats else 1e-72,
         no_friction=1e-9 if floats else 1e-30,
         tiny_friction=1e-9 if floats else 1e-36,
