@@ -8,12 +8,14 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..choice.candidates import candidates_of
 from ..choice.entries import selected_by_sweep, write_selected
 from ..choice.folder import checked_selection, require_writable
 from ..choice.job import STEPS
 from ..choice.selection import place_of
 from ..choice.trials import Final, Run
 from ..errors import InputError
+from ..evidence.verification.evidence import evidence_of
 from ..registry.lane_numbers import widths_for
 from ..registry.question import CALLS, DEFAULT_IMPACT, Call, Contest, Goal, find_impact
 from ..steppers.budgets import plan_for
@@ -150,22 +152,24 @@ def _begun(
     asked: SweepRequest, session: Session
 ) -> Iterator[tuple[Plan, Lab, ResultStore, Ledger]]:
     """The plan, the machines that do the work, the opened store, and its trials."""
-    if asked.impact != DEFAULT_IMPACT:
-        raise InputError(
-            f"--impact {asked.impact}: a sweep knows {DEFAULT_IMPACT} alone; "
-            f"./gen --target {asked.target} --impact {asked.impact} chooses among what there is"
-        )
     impact = find_impact(asked.impact)
+    if asked.scheduler is not None and asked.impact != DEFAULT_IMPACT:
+        raise InputError(
+            f"--scheduler with --impact {asked.impact}: workers of a cluster know "
+            f"{DEFAULT_IMPACT} alone; sweep on this machine"
+        )
     target = _target(asked)
     scene = impact.find_scene(asked.scene)
     model = impact.find_model(asked.model or scene.model).name
     contests = _contests(asked, target, model, scene.max_error)
     only = parse_only(asked.only)
-    lanes = any(width > 1 for width in widths_for(target, scene, "exact"))
+    contests = tuple(c for c in contests if not c.batches or _has_lanes(c, target))
+    if not contests:
+        raise InputError(f"--call {asked.call}: {scene.without_exact_lanes}; expected scalar")
     with _lab(asked, target, session) as lab:
         plan = Plan(
             target=target,
-            contests=tuple(c for c in contests if lanes or not c.batches),
+            contests=contests,
             only=only,
             compilers=tuple(lab.compilers),
             seed=asked.seed,
@@ -178,6 +182,16 @@ def _begun(
         with opened(asked.place(session)) as store:
             note_too_short(plan, session)
             yield plan, lab, store, Ledger(store, _run(asked, plan, lab), asked.fresh)
+
+
+def _has_lanes(contest: Contest, target: Target) -> bool:
+    """Has the contest's stepper kernels of lanes on the target?"""
+    family, scene = contest.goal.family, contest.known_scene
+    if contest.goal.budget is None:
+        there = bool(candidates_of(contest.row).fixed_lanes)
+    else:
+        there = not scene.without_exact_lanes
+    return there and any(width > 1 for width in widths_for(target, scene, family))
 
 
 def _run(asked: SweepRequest, plan: Plan, lab: Lab) -> Run:
@@ -214,8 +228,11 @@ def _contests(
     both = asked.steps is None and asked.max_error is None
     budget = asked.max_error if asked.max_error is not None else max_error
     plan_for(budget)
+    steps_alone = model in evidence_of(find_impact(asked.impact)).exact_models
+    if steps_alone and asked.max_error is not None:
+        raise InputError(f"--max-error: model {model} has fixed steps alone; leave it out")
     goals = []
-    if both or asked.max_error is not None:
+    if (both and not steps_alone) or asked.max_error is not None:
         goals.append(Goal(budget=budget))
     if both or asked.steps is not None:
         goals.append(Goal(steps=asked.steps if asked.steps is not None else STEPS))
@@ -229,7 +246,7 @@ def _contests(
 
 @contextmanager
 def _lab(asked: SweepRequest, target: Target, session: Session) -> Iterator[Lab]:
-    with session.without_steps().workbench() as bench:
+    with session.without_steps().workbench(impact=find_impact(asked.impact)) as bench:
         if asked.scheduler is None:
             yield Lab(bench, target)
             return

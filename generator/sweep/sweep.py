@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from random import Random
 
-from ..choice.candidates import baseline, default_kernel
+from ..choice.candidates import baseline, candidates_of, default_kernel
 from ..choice.kernel import Rejected, Verified
 from ..choice.seeds import recorded_of, seeds_of, steppers_of
 from ..choice.trials import Final
@@ -103,7 +103,9 @@ def _baseline(plan: Plan, contest: Contest, lab: Lab) -> Verified:
     variant = baseline(contest, plan.compilers)
     [(_, made)] = lab.build([lab.emit(variant)])
     if isinstance(made, Rejected):
-        raise KernelError(f"paper-initial, which all are timed against: {made.text}")
+        raise KernelError(
+            f"{candidates_of(contest.row).baseline}, which all are timed against: {made.text}"
+        )
     return made
 
 

@@ -325,7 +325,11 @@ def test_help_and_lists_load_no_library_that_is_slow_to_load() -> None:
         (("challenge", "generated/ball-ball/zen3/any/pooltool-n1000-x1.cpp"), ("has fixed steps",)),
         (("bench", "--target", "zen9", "--json", "x.json"), ("zen9",)),
         (("--target", "zen3", "bench"), ("--target", "write it after bench")),
-        (("sweep", "--impact", "ball-cushion"), ("ball-cushion", "a sweep knows ball-ball alone")),
+        (("sweep", "--impact", "ball-cushion", "--scheduler", "x:1"), ("know ball-ball alone",)),
+        (
+            ("sweep", "--impact", "ball-cushion", "--model", "pooltool", "--max-error", "1e-6"),
+            ("pooltool has fixed steps alone",),
+        ),
         (("plot", "--impact", "ball-cushion", "--out", "x.svg"), ("--impact", "add --models")),
         (("bench", "--impact", "ball-cushion"), ("--impact ball-cushion --scene any",)),
         (("emit", "ball-cushion/zen3/any/pooltool-e1m06-x1", "dp54"), ("fixed steps alone",)),
