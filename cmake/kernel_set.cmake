@@ -2,7 +2,7 @@
 # configures and again where the generator has changed. Python_EXECUTABLE must have the generator's
 # packages. These choose fewer kernels (names with commas between them; empty: all):
 set(CAROM_KERNEL_TARGETS "" CACHE STRING "CPUs to have kernels for, best first: x86-64-v4,x86-64-v3,x86-64-v2 or armv8")
-set(CAROM_KERNEL_MODELS "" CACHE STRING "contact models: mathavan2014,bottom_slip,pooltool")
+set(CAROM_KERNEL_MODELS "" CACHE STRING "contact models: mathavan2014,bottom_slip,pooltool; of the cushion clamped,printed,pooltool")
 set(CAROM_KERNEL_GOALS "" CACHE STRING "fixed steps and budgets: n1000,e1m03,e1m06,e1m09")
 
 # Ends where the preset's Python is not there yet, as in a fresh clone.

@@ -14,8 +14,8 @@ const AXES = ["x", "y", "z"];
 const namesOf = (ball, kinds) => kinds.flatMap((kind) => AXES.map((axis) => kind + ball + axis));
 const OUTCOME = [...namesOf(1, ["v", "w"]), ...namesOf(2, ["v", "w"])];
 
-function records(name) {
-  const path = new URL(`tests/data/reference/${name}.csv`, root);
+function records(name, folder = "reference") {
+  const path = new URL(`tests/data/${folder}/${name}.csv`, root);
   const [header, ...lines] = readFileSync(path, "utf8").trim().split(/\r?\n/);
   const names = header.split(",");
   return lines.map((line) => {
@@ -131,6 +131,57 @@ test("options that are none are refused, and errors say what came", () => {
     [() => kernel.collideBatch(parameters, new Float64Array(19)), /columns: .*; 19 numbers came/],
   ];
   for (const [call, message] of refused) assert.throws(call, {message});
+});
+
+const CUSHION = ["R", "M", "u_s", "u_w", "e_c", "h"];
+const MOTION = ["vx", "vy", "vz", "wx", "wy", "wz"];
+const impacts = records("inputs", "ball_cushion").map((row) => ({
+  id: row.id,
+  parameters: Object.fromEntries(CUSHION.map((key) => [key, Number(row[key])])),
+  ball: MOTION.map((key) => Number(row[key])),
+  normal: [Number(row.nx), Number(row.ny)],
+}));
+
+/** The largest difference, spins as R w, relative to |v|. */
+function cushionErrorOf({ball, parameters}, got, want) {
+  const off = got.map((x, i) => Math.abs(x - want[i]) * (i < 3 ? 1 : parameters.R));
+  return Math.max(...off) / Math.hypot(ball[0], ball[1]);
+}
+
+const answers = new Map(
+  records("exact", "ball_cushion").map((row) => [row.id, MOTION.map((key) => Number(row[key]))]),
+);
+
+test("the cushion keeps its budget on all reference cases", (t) => {
+  const kernel = carom.cushionKernel();
+  let worst = 0;
+  for (const each of impacts) {
+    const done = kernel.collide(each.parameters, each.ball, each.normal);
+    const columns = new Float64Array([...each.ball, ...each.normal]);
+    const batch = kernel.collideBatch(each.parameters, columns);
+    assert.ok(done.status === Status.OK && batch.good === 1);
+    for (const got of [[...done.ball], [...batch.columns]]) {
+      worst = Math.max(worst, cushionErrorOf(each, got, answers.get(each.id)));
+    }
+  }
+  t.diagnostic(`${kernel.name}: ${impacts.length} cases, largest error ${worst.toExponential(1)}`);
+  assert.ok(impacts.length === 600 && kernel.maxError === 1e-6 && worst <= kernel.maxError);
+});
+
+test("what is wrong with an impact on a cushion is named", () => {
+  const {parameters, ball, normal} = impacts[0], kernel = carom.cushionKernel();
+  assert.deepEqual(carom.cushionModels, ["clamped"]);
+  assert.throws(() => carom.cushionKernel({model: "mathavan2014"}), /there are clamped/);
+  assert.throws(() => carom.cushionKernel({steps: 1000}), /steps: there are none of clamped/);
+  assert.throws(() => carom.cushionKernel({maxError: 1e-9}), /there are 0.000001/);
+  assert.throws(() => kernel.collide({...parameters, h: undefined}, ball, normal), /parameter h/);
+  assert.throws(() => kernel.collide(parameters, ball, [1]), /normal: expected 2 numbers; 1 numbers/);
+  assert.throws(() => kernel.collideBatch(parameters, new Float64Array(9)), /8 numbers a collision/);
+  const parting = kernel.collide(parameters, ball.map((x) => -x), normal);
+  assert.equal(parting.status, Status.SEPARATING);
+  assert.equal(kernel.collide({...parameters, h: 0}, ball, normal).status, Status.BAD_INPUT);
+  const far = kernel.collide(parameters, ball, normal.map((x) => x * 1e-310));
+  assert.ok(Math.abs(far.ball[1] - kernel.collide(parameters, ball, normal).ball[1]) < 1e-9);
 });
 
 test("package.json names the files that there are and the generator's version", () => {

@@ -20,11 +20,11 @@ from ..errors import InputError
 from ..files import write_file
 from ..impacts.ball_ball.models import MODELS, find_model
 from ..impacts.ball_ball.parameters import PARAMETERS
-from ..impacts.ball_ball.scene import find_scene
 from ..impacts.ball_ball.terms import MASS_RATIOS
+from ..impacts.ball_cushion.row import BALL_CUSHION
 from ..lowering.isa import compiled_features
 from ..registry.names import name_of
-from ..registry.question import Goal, symbol_of
+from ..registry.question import DEFAULT_IMPACT, Goal, symbol_of
 from ..registry.rules import broken_rule
 from ..registry.variant import Variant
 from ..targets.target import Target, target_or_port
@@ -37,6 +37,11 @@ GOALS = (Goal(steps=STEPS), *(Goal(budget=budget) for budget in BUDGETS))
 TARGETS = ("x86-64-v4", "x86-64-v3", "x86-64-v2")  # best first
 ARM_TARGETS = ("armv8",)
 WASM_TARGETS = ("wasm32",)
+CUSHION = BALL_CUSHION.name
+CUSHION_MODELS = tuple(model.name for model in BALL_CUSHION.model_table())
+STEPS_ALONE = (CUSHION, "pooltool")  # an impact and model without exact kernels
+# A page loads these alone of the cushion: its size, and pooltool's steps need a library's sine.
+WASM_CUSHION = ("clamped",), (Goal(budget=1e-6),)
 BY_ARCHITECTURE = {"x86_64": TARGETS, "aarch64": ARM_TARGETS, "wasm32": WASM_TARGETS}
 # Ways of making 1/sqrt by the tightest budget that they are used for: what timing has chosen where
 # it has (docs/measurements.md). The module's tests verify each on all reference cases.
@@ -49,23 +54,38 @@ class Choice:
     """What a module carries. Raises InputError where a name is none that there is."""
 
     targets: tuple[str, ...] = TARGETS  # best first
-    models: tuple[str, ...] = tuple(model.name for model in MODELS)
+    models: tuple[str, ...] = tuple(dict.fromkeys((*(m.name for m in MODELS), *CUSHION_MODELS)))
     goals: tuple[Goal, ...] = GOALS  # of equals budgets: loosest first
 
     def __post_init__(self) -> None:
         for name in self.targets:
             target_or_port(name)
         for name in self.models:
-            find_model(name)
+            if name not in CUSHION_MODELS:
+                find_model(name)
         if not (self.targets and self.models and self.goals):
             raise InputError("the module: expected a target, a model and a goal at least")
+
+    @property
+    def ball_models(self) -> tuple[str, ...]:
+        """Those of two balls."""
+        return tuple(model.name for model in MODELS if model.name in self.models)
+
+    @property
+    def cushion(self) -> tuple[tuple[str, ...], tuple[Goal, ...]]:
+        """Models and goals of the cushion."""
+        models, goals = CUSHION_MODELS, self.goals
+        if self.targets == WASM_TARGETS:
+            models, goals = WASM_CUSHION
+        held = tuple(name for name in models if name in self.models)
+        return held, tuple(goal for goal in goals if goal in self.goals)
 
     @property
     def unequal_models(self) -> tuple[str, ...]:
         """Those of balls of two masses; the interface of JavaScript gives one mass."""
         if self.targets == WASM_TARGETS:
             return ()
-        return tuple(name for name in self.models if name in UNEQUAL_MODELS)
+        return tuple(name for name in self.ball_models if name in UNEQUAL_MODELS)
 
 
 @dataclass(frozen=True)
@@ -93,7 +113,7 @@ class Row:
     @property
     def parameters(self) -> str:
         """What its parameters are made from, in their order."""
-        return ", ".join(f"p.{name}" for name in find_scene(self.variant.scene).free)
+        return ", ".join(f"p.{name}" for name in self.variant.question.known_scene.free)
 
     @property
     def steps(self) -> int:
@@ -106,9 +126,10 @@ class Row:
         return repr(self.variant.stepper.budget or 0.0)
 
 
-def _single(target: Target, scene: str, model: str, goal: Goal) -> Variant:
-    first = default_kernel(contest_for(target, scene, model, goal))
-    if goal.budget is None:
+def _single(target: Target, scene: str, model: str, goal: Goal, impact: str) -> Variant:
+    first = default_kernel(contest_for(target, scene, model, goal, impact))
+    axes = first.question.row.axes
+    if goal.budget is None or (axes is not None and "root" not in axes):
         return first
     for least, root in _ROOTS:
         wanted = first.with_options(root=root)
@@ -117,25 +138,39 @@ def _single(target: Target, scene: str, model: str, goal: Goal) -> Variant:
     return first
 
 
-def _variant(target: Target, scene: str, model: str, goal: Goal) -> Variant:
-    return default_lanes(_single(target, scene, model, goal), target)
+def _variant(target: Target, scene: str, model: str, goal: Goal, impact: str) -> Variant:
+    return default_lanes(_single(target, scene, model, goal, impact), target)
 
 
 def rows(choice: Choice = Choice()) -> tuple[Row, ...]:
     """The whole set: by model, then goal, then target, best first; then those of two masses."""
     exact = tuple(goal for goal in choice.goals if goal.budget is not None)
-    equal = _rows(choice.targets, SCENE, choice.models, choice.goals)
+    equal = _rows(choice.targets, SCENE, choice.ball_models, choice.goals)
     return (*equal, *_rows(choice.targets, UNEQUAL, choice.unequal_models, exact))
 
 
+def cushion_rows(choice: Choice = Choice()) -> tuple[Row, ...]:
+    """Those of a ball and a cushion, in the same order."""
+    models, goals = choice.cushion
+    return tuple(_rows(choice.targets, SCENE, models, goals, CUSHION))
+
+
 def _rows(
-    targets: tuple[str, ...], scene: str, models: Iterable[str], goals: tuple[Goal, ...]
+    targets: tuple[str, ...],
+    scene: str,
+    models: Iterable[str],
+    goals: tuple[Goal, ...],
+    impact: str = DEFAULT_IMPACT,
 ) -> Iterator[Row]:
     begin = "carom" if scene == SCENE else f"carom_{scene}"
+    if impact != DEFAULT_IMPACT:
+        begin += f"_{symbol_of(impact)}"
     for model in models:
         for goal in goals:
+            if goal.budget is not None and (impact, model) == STEPS_ALONE:
+                continue
             for name in targets:
-                variant = _variant(target_or_port(name), scene, model, goal)
+                variant = _variant(target_or_port(name), scene, model, goal, impact)
                 short = symbol_of(f"{begin}_{model}_{variant.stepper.goal}_{name}")
                 yield Row(short, name, variant)
 
@@ -146,7 +181,8 @@ def _emit(row: Row) -> KernelSource:
 
 def kernel_set(choice: Choice = Choice()) -> dict[str, str]:
     """All files of the set by name, the table among them."""
-    table = rows(choice)
+    balls, cushions = rows(choice), cushion_rows(choice)
+    table = (*balls, *cushions)
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         sources = list(pool.map(_emit, table))
     files = {}
@@ -159,9 +195,11 @@ def kernel_set(choice: Choice = Choice()) -> dict[str, str]:
         "kernel_table.cpp.j2",
         COMMAND,
         names,
-        rows=table,
+        rows=balls,
+        cushions=cushions,
         targets=needs,
         ranges=PARAMETERS,
+        cushion_ranges=BALL_CUSHION.parameters,
         ratios=MASS_RATIOS,
     )
     return files

@@ -7,7 +7,11 @@
     ball = [[0.02, 0.0535, 0.028575], [0, 0, 0], [0, 0, 0]]
     cue_after, ball_after, status = kernel.collide(carom.Parameters(u_b=0.05), cue, ball)
 
-SI units, z up. `carom.pooltool` has a collision model for pooltool.
+    cushion = carom.CushionKernel("clamped", max_error=1e-6)
+    roll = [[0, 1.0, 0], [-35, 0, 0]]  # velocity, angular velocity; into a cushion along y
+    ball_after, status = cushion.collide(carom.CushionParameters(u_w=0.2), roll, [0, 1])
+
+SI units, z up. `carom.pooltool` has models of both for pooltool.
 """
 
 from __future__ import annotations
@@ -15,10 +19,19 @@ from __future__ import annotations
 import numpy as np
 
 from carom import types
-from carom._carom import Kernel, Parameters, Status
+from carom._carom import CushionKernel, CushionParameters, Kernel, Parameters, Status
 from carom._carom import version as __version__
 
-__all__ = ["Kernel", "Parameters", "Status", "__version__", "columns", "types"]
+__all__ = [
+    "CushionKernel",
+    "CushionParameters",
+    "Kernel",
+    "Parameters",
+    "Status",
+    "__version__",
+    "columns",
+    "types",
+]
 
 
 def columns(ball1: types.Balls, ball2: types.Balls) -> types.Array:

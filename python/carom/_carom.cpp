@@ -2,14 +2,10 @@
 // written for type checkers (which cannot tell a third array that is u_b from one that is ball2);
 // `tools/stubs.py` makes _carom.pyi of them.
 #include <nanobind/nanobind.h>
-#include <nanobind/operators.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 
-#include <string>
-#include <tuple>
-
+#include "cushion.h"
 #include "kernel.h"
 #include "parameters.h"
 
@@ -67,21 +63,9 @@ constexpr const char* kPairs =
 constexpr const char* kPairsText =
     "n collisions of two arrays (n, 3, 3) of balls, as collide takes them: (ball1, ball2, status).";
 
-int whole_number(nb::handle given) {
-  int value = 0;
-  if (!nb::try_cast(given, value)) refuse_type("steps", given, "a whole number, 1 to 100000000");
-  return value;
-}
-
 void make(Kernel* self, nb::handle model, nb::handle max_error, nb::handle steps,
           nb::handle target) {
-  Request request;
-  if (!nb::isinstance<nb::str>(model)) refuse_type("model", model, "a str");
-  request.model = nb::cast<std::string>(model);
-  request.max_error = optional_number(max_error, "max_error");
-  if (!steps.is_none()) request.steps = whole_number(steps);
-  request.target = optional_text(target, "target");
-  new (self) Kernel(request);
+  new (self) Kernel(request_of(model, max_error, steps, target));
 }
 
 // The call whose second argument is a table; an array of three dimensions is for the other one.
@@ -94,34 +78,13 @@ nb::tuple batch(const Kernel& kernel, nb::handle parameters, nb::handle balls, n
   return kernel.collide_batch(parameters, balls, u_b, out, status);
 }
 
-std::string text_of_kernel(const Kernel& kernel) {
-  const std::string goal = kernel.steps() ? "steps=" + std::to_string(*kernel.steps())
-                                          : "max_error=" + text_of(*kernel.max_error());
-  return "Kernel('" + std::string(kernel.model()) + "', " + goal + ", target='" + kernel.target() +
-         "')";
-}
-
-using State =
-    std::tuple<std::string, std::optional<double>, std::optional<int>, std::optional<std::string>>;
-
-State state_of(const Kernel& kernel) {
-  const Request& request = kernel.request();
-  return {request.model, request.max_error, request.steps, request.target};
-}
-
 }  // namespace
 
 void bind_kernel(nb::module_& m) {
-  nb::class_<Kernel>(m, "Kernel", kKernelText)
-      .def("__init__", &make, "model"_a.none() = "mathavan2014", nb::kw_only(),
+  nb::class_<Kernel> made(m, "Kernel", kKernelText);
+  made.def("__init__", &make, "model"_a.none() = "mathavan2014", nb::kw_only(),
            "max_error"_a = nb::none(), "steps"_a = nb::none(), "target"_a = nb::none(),
            nb::sig(kInit))
-      .def_prop_ro("model", &Kernel::model, "the contact model")
-      .def_prop_ro("target", &Kernel::target, "the CPU whose code runs")
-      .def_prop_ro("name", &Kernel::name, "in the grammar of kernel names")
-      .def_prop_ro("lanes", &Kernel::lanes, "collisions that a vector of collide_batch holds")
-      .def_prop_ro("steps", &Kernel::steps, "N, or None")
-      .def_prop_ro("max_error", &Kernel::max_error, "the budget that the kernel keeps, or None")
       .def("collide", &Kernel::collide, "parameters"_a.none(), "ball1"_a.none(), "ball2"_a.none(),
            nb::sig(kCollide), kCollideText)
       .def("collide_into", &Kernel::collide_into, "parameters"_a.none(), "ball1"_a.none(),
@@ -130,20 +93,8 @@ void bind_kernel(nb::module_& m) {
            "out"_a = nb::none(), "status"_a = nb::none(), nb::sig(kBatch), kBatchText)
       .def("collide_batch", &Kernel::collide_pairs, "parameters"_a.none(), "ball1"_a.none(),
            "ball2"_a.none(), "u_b"_a = nb::none(), "status"_a = nb::none(), nb::sig(kPairs),
-           kPairsText)
-      .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
-      .def("__hash__",
-           [](const Kernel& kernel) {
-             return nb::hash(nb::make_tuple(kernel.model(), kernel.target(), kernel.steps(),
-                                            kernel.max_error()));
-           })
-      .def("__getstate__", &state_of)
-      .def("__setstate__",
-           [](Kernel& kernel, const State& state) {
-             const auto& [model, max_error, steps, target] = state;
-             new (&kernel) Kernel(Request{model, max_error, steps, target});
-           })
-      .def("__repr__", &text_of_kernel);
+           kPairsText);
+  bind_common(made, "Kernel");
 }
 
 }  // namespace carom
@@ -153,12 +104,14 @@ NB_MODULE(_carom, m) {
   nanobind::enum_<carom::Status>(
       m, "Status", nanobind::is_arithmetic(),
       "What became of a collision; anything but OK leaves velocities as they came.")
-      .value("OK", carom::Status::kOk, "the balls have collided")
-      .value("SEPARATING", carom::Status::kSeparating, "the balls do not approach each other")
+      .value("OK", carom::Status::kOk, "they have collided")
+      .value("SEPARATING", carom::Status::kSeparating, "they do not approach each other")
       .value("BAD_INPUT", carom::Status::kBadInput,
-             "not finite, coincident centres, or a friction of a batch out of range")
+             "not finite, coincident centres, no normal, or a friction of a batch out of range")
       .value("TILTED", carom::Status::kTilted,
              "the line of centres rises by more than 1e-6 of its length");
   carom::bind_parameters(m);
   carom::bind_kernel(m);
+  carom::bind_cushion_parameters(m);
+  carom::bind_cushion_kernel(m);
 }

@@ -14,13 +14,15 @@ class Status(enum.IntEnum):
     """
 
     OK = 0
-    """the balls have collided"""
+    """they have collided"""
 
     SEPARATING = 1
-    """the balls do not approach each other"""
+    """they do not approach each other"""
 
     BAD_INPUT = 2
-    """not finite, coincident centres, or a friction of a batch out of range"""
+    """
+    not finite, coincident centres, no normal, or a friction of a batch out of range
+    """
 
     TILTED = 3
     """the line of centres rises by more than 1e-6 of its length"""
@@ -94,30 +96,6 @@ class Kernel:
 
     def __init__(self, model: str = 'mathavan2014', *, max_error: float | None = None, steps: int | None = None, target: str | None = None) -> None: ...
 
-    @property
-    def model(self) -> str:
-        """the contact model"""
-
-    @property
-    def target(self) -> str:
-        """the CPU whose code runs"""
-
-    @property
-    def name(self) -> str:
-        """in the grammar of kernel names"""
-
-    @property
-    def lanes(self) -> int:
-        """collisions that a vector of collide_batch holds"""
-
-    @property
-    def steps(self) -> int | None:
-        """N, or None"""
-
-    @property
-    def max_error(self) -> float | None:
-        """the budget that the kernel keeps, or None"""
-
     def collide(self, parameters: Parameters, ball1: carom.types.Ball, ball2: carom.types.Ball) -> tuple[carom.types.Array, carom.types.Array, Status]:
         """
         One collision: (ball1, ball2, status). A ball is 3 by 3 numbers, an array or lists:
@@ -149,6 +127,153 @@ class Kernel:
         """
         n collisions of two arrays (n, 3, 3) of balls, as collide takes them: (ball1, ball2, status).
         """
+
+    @property
+    def model(self) -> str:
+        """the contact model"""
+
+    @property
+    def target(self) -> str:
+        """the CPU whose code runs"""
+
+    @property
+    def name(self) -> str:
+        """in the grammar of kernel names"""
+
+    @property
+    def lanes(self) -> int:
+        """collisions that a vector of collide_batch holds"""
+
+    @property
+    def steps(self) -> int | None:
+        """N, or None"""
+
+    @property
+    def max_error(self) -> float | None:
+        """the budget that the kernel keeps, or None"""
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> tuple[str, float | None, int | None, str | None]: ...
+
+    def __setstate__(self, arg: tuple[str, float | None, int | None, str | None], /) -> None: ...
+
+    def __repr__(self) -> str: ...
+
+class CushionParameters:
+    """
+    What an impact on a cushion is given besides the ball: its radius R (m) and mass M (kg),
+    sliding friction u_s with the table, friction u_w and restitution e_c with the cushion, each
+    from 0 to 1, and the height h (m) of the cushion's nose above the table, from R to below 2 R.
+    The nose's angle above the centre, asin(h/R - 1), and atan u_s and atan u_w are below 90
+    degrees together: else compression need not end. ValueError names a number that is out of
+    its range. Parameters do not change; they compare, hash, copy and pickle by value.
+    """
+
+    def __init__(self, R: float = 0.028575, M: float = 0.170097, u_s: float = 0.2, u_w: float = 0.2, e_c: float = 0.85, h: float = 0.036576) -> None: ...
+
+    @property
+    def R(self) -> float:
+        """radius of the ball, m"""
+
+    @property
+    def M(self) -> float:
+        """mass of the ball, kg"""
+
+    @property
+    def u_s(self) -> float:
+        """sliding friction of the ball and the table"""
+
+    @property
+    def u_w(self) -> float:
+        """friction of the ball and the cushion"""
+
+    @property
+    def e_c(self) -> float:
+        """restitution between the ball and the cushion"""
+
+    @property
+    def h(self) -> float:
+        """height of the cushion's nose above the table, m"""
+
+    def replace(self, *, R: float = ..., M: float = ..., u_s: float = ..., u_w: float = ..., e_c: float = ..., h: float = ...) -> CushionParameters:
+        """The same with some numbers replaced."""
+
+    def __replace__(self, **changes: float) -> CushionParameters: ...
+
+    def __eq__(self, other: object, /) -> bool: ...
+
+    def __hash__(self) -> int: ...
+
+    def __getstate__(self) -> list[float]: ...
+
+    def __setstate__(self, arg: Sequence[float], /) -> None: ...
+
+    def __repr__(self) -> str: ...
+
+class CushionKernel:
+    """
+    A kernel of impacts on a cushion, chosen by contact model and by error budget or number of
+    steps.
+
+    model: clamped, printed or pooltool. max_error: budget relative to the ball's speed (default
+    1e-6); the fastest kernel that keeps it is taken; pooltool has none. steps: instead of a
+    budget, max_steps of the fixed-step scheme of pooltool, 1 to 100000000. target: the CPU
+    whose code runs, as x86-64-v3 or armv8; by default the best that this one runs.
+    Raises ValueError naming what there is, RuntimeError where the CPU lacks the target.
+    Kernels compare, hash, copy and pickle by what they were asked for.
+    """
+
+    def __init__(self, model: str = 'clamped', *, max_error: float | None = None, steps: int | None = None, target: str | None = None) -> None: ...
+
+    def collide(self, parameters: CushionParameters, ball: carom.types.Ball, normal: carom.types.Normal) -> tuple[carom.types.Array, Status]:
+        """
+        One impact: (ball, status). A ball is 2 by 3 numbers, an array or lists: velocity (m/s) and
+        angular velocity (rad/s), z up. The normal is 2: level, into the cushion, of any length. What
+        came in is left as it is. Anything but status OK leaves velocities as they came.
+        """
+
+    @overload
+    def collide_batch(self, parameters: CushionParameters, columns: carom.types.Table, *, u_w: carom.types.Friction | None = None, out: carom.types.Array | None = None, status: carom.types.Statuses | None = None) -> tuple[carom.types.Array, carom.types.Statuses]:
+        """
+        n impacts: (out, status). columns: numbers of shape (8, n), rows vx to wz, nx, ny, or (n, 8);
+        out: (6, n), rows vx to wz, or (n, 6); status: uint8 of n. 8 by 8 numbers are taken as (8, n).
+        u_w: friction of all, or of each impact. out and status may be given. The interpreter lock is
+        released meanwhile. What an impact gives depends on itself alone, to the last bit.
+        """
+
+    @overload
+    def collide_batch(self, parameters: CushionParameters, balls: carom.types.Balls, normals: carom.types.Table, *, u_w: carom.types.Friction | None = None, status: carom.types.Statuses | None = None) -> tuple[carom.types.Array, carom.types.Statuses]:
+        """
+        n impacts of an array (n, 2, 3) of balls, as collide takes them, with normals (n, 2): (balls,
+        status).
+        """
+
+    @property
+    def model(self) -> str:
+        """the contact model"""
+
+    @property
+    def target(self) -> str:
+        """the CPU whose code runs"""
+
+    @property
+    def name(self) -> str:
+        """in the grammar of kernel names"""
+
+    @property
+    def lanes(self) -> int:
+        """collisions that a vector of collide_batch holds"""
+
+    @property
+    def steps(self) -> int | None:
+        """N, or None"""
+
+    @property
+    def max_error(self) -> float | None:
+        """the budget that the kernel keeps, or None"""
 
     def __eq__(self, other: object, /) -> bool: ...
 

@@ -32,31 +32,35 @@ struct Lines {
 
 using Inputs = Lines<const double, 18>;
 using Outputs = Lines<double, 12>;
+using CushionInputs = Lines<const double, 8>;
+using CushionOutputs = Lines<double, 6>;
 
 constexpr std::size_t kBlock = 2048;  // collisions that are gathered at once: what lanes work on
 
 /// Calls run(first, count, in, out) with columns that are contiguous, block by block.
-template <class Run>
-void in_blocks(const Inputs& balls, const Outputs& results, std::size_t n, const Run& run) {
+template <std::size_t kIn, std::size_t kOut, class Run>
+void in_blocks(const Lines<const double, kIn>& balls, const Lines<double, kOut>& results,
+               std::size_t n, const Run& run) {
   if (balls.contiguous() && results.contiguous()) {
     run(std::size_t{0}, n, balls.at, results.at);
     return;
   }
-  std::vector<std::array<double, kBlock + 8>> block(30);  // columns apart by no power of two
-  std::array<const double*, 18> in;
-  std::array<double*, 12> out;
-  for (std::size_t j = 0; j < 18; ++j) in[j] = block[j].data();
-  for (std::size_t j = 0; j < 12; ++j) out[j] = block[18 + j].data();
+  // Columns are apart by no power of two.
+  std::vector<std::array<double, kBlock + 8>> block(kIn + kOut);
+  std::array<const double*, kIn> in;
+  std::array<double*, kOut> out;
+  for (std::size_t j = 0; j < kIn; ++j) in[j] = block[j].data();
+  for (std::size_t j = 0; j < kOut; ++j) out[j] = block[kIn + j].data();
   for (std::size_t first = 0; first < n; first += kBlock) {
     const std::size_t count = std::min(kBlock, n - first);
     for (std::size_t i = 0; i < count; ++i) {
       const auto place = static_cast<std::int64_t>(first + i);
-      for (std::size_t j = 0; j < 18; ++j) block[j][i] = balls.at[j][place * balls.step[j]];
+      for (std::size_t j = 0; j < kIn; ++j) block[j][i] = balls.at[j][place * balls.step[j]];
     }
     run(first, count, in, out);
     for (std::size_t i = 0; i < count; ++i) {
       const auto place = static_cast<std::int64_t>(first + i);
-      for (std::size_t j = 0; j < 12; ++j) results.at[j][place * results.step[j]] = out[j][i];
+      for (std::size_t j = 0; j < kOut; ++j) results.at[j][place * results.step[j]] = out[j][i];
     }
   }
 }

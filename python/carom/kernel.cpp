@@ -1,15 +1,11 @@
 #include "kernel.h"
 
-#include <algorithm>
-
 #include "parameters.h"
 
 namespace carom {
 
 namespace {
 
-constexpr double kDefaultError = 1e-6;
-constexpr int kMostSteps = 100000000;
 constexpr int kLongSteps = 10000;  // of a call that takes so long that other threads are let run
 constexpr const char* kOneMass =
     "M1: only kernels with max_error and of the models mathavan2014 and bottom_slip take balls of "
@@ -18,18 +14,6 @@ constexpr const char* kBalls =
     "numbers of shape (18, n) or (n, 18), r1x to w2z, or two arguments of shape (n, 3, 3)";
 constexpr const char* kPairs =
     "numbers of shape (n, 3, 3): position, velocity and angular velocity of n balls";
-
-Request checked(Request request) {
-  if (request.max_error && request.steps) {
-    refuse_value("max_error and steps exclude each other: name one of them");
-  }
-  if (request.steps && (*request.steps < 1 || *request.steps > kMostSteps)) {
-    refuse_value("steps: expected 1 to " + std::to_string(kMostSteps) + "; " +
-                 std::to_string(*request.steps) + " came");
-  }
-  if (!request.steps && !request.max_error) request.max_error = kDefaultError;
-  return request;
-}
 
 // That of balls of two masses beside one of equal balls; nullptr where there is none.
 const Row* unequal_row(const Row& equal) {
@@ -41,40 +25,15 @@ const Row* unequal_row(const Row& equal) {
   return nullptr;
 }
 
-// A new array in memory of the kernel's: one may outlive the other.
-template <class Value>
-nb::object made(const std::shared_ptr<Spare>& spare, std::initializer_list<std::size_t> shape) {
-  std::size_t count = sizeof(Value);
-  for (const std::size_t each : shape) count *= each;
-  auto lent = std::make_unique<Lent>(spare, count);
-  void* const start = lent->block().start();
-  const nb::capsule owner(lent.release(), [](void* p) noexcept { delete static_cast<Lent*>(p); });
-  return nb::cast(nb::ndarray<nb::numpy, Value>(start, shape, owner));
-}
-
-bool has_shape(const Places& array, std::size_t rows, std::size_t columns) {
-  return array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == columns;
-}
-
 // The friction of each of n collisions; nullptr where there is one for all, which goes to `p`.
 std::optional<Numbers> frictions(Parameters& p, nb::handle given, std::size_t n) {
   if (given.is_none()) return std::nullopt;
-  const bool single = PyNumber_Check(given.ptr()) != 0 && !nb::hasattr(given, "__len__");
-  if (single || (nb::hasattr(given, "ndim") && nb::cast<int>(given.attr("ndim")) == 0)) {
+  if (is_single(given)) {
     p.u_b = number_of(given, "u_b");
     require_in_ranges(p);
     return std::nullopt;
   }
-  static constexpr const char* kNeed = "a number, or one number a collision, of shape (n,)";
-  Numbers numbers = numbers_of(given, "u_b", kNeed);
-  if (numbers.ndim() != 1) refuse_type("u_b", given, kNeed);
-  if (numbers.shape(0) != n) {
-    refuse_value("u_b: expected one number a collision, " + std::to_string(n) + "; " +
-                 std::to_string(numbers.shape(0)) + " came");
-  }
-  if (n > 1 && numbers.stride(0) != 1)
-    numbers = numbers_of(doubles_of(given, "u_b", kNeed), "", "");
-  return numbers;
+  return each_of(given, "u_b", n);
 }
 
 // The lines of a ball of n each: nine numbers, or its six velocities alone.
@@ -160,14 +119,8 @@ nb::tuple Kernel::collide_batch(nb::handle parameters, nb::handle balls, nb::han
   if (rows && given.shape(1) != 18) refuse_type("balls", balls, kBalls);
   const std::size_t n = given.shape(rows ? 0 : 1), across = rows ? n : 12, along = rows ? 12 : n;
   Places places;
-  nb::object to = nb::borrow(out);
-  if (to.is_none()) to = made<double>(spare_out_, {across, along});
-  if (!nb::try_cast(to, places, false)) refuse_type("out", out, "a writable float64 array");
-  if (!has_shape(places, across, along)) {
-    const std::string shape = std::to_string(across) + ", " + std::to_string(along);
-    refuse_value("out: expected shape (" + shape + "); " + words_for(out) + " came");
-  }
-  const nb::object marks = statuses_for(status, n);
+  const nb::object to = table_for(out, spare_out_, across, along, places);
+  const nb::object marks = statuses_for(status, spare_statuses_, n);
   Inputs in;
   Outputs results;
   in.set(0, 18, given.data(), given.stride(rows ? 1 : 0), given.stride(rows ? 0 : 1));
@@ -188,7 +141,7 @@ nb::tuple Kernel::collide_pairs(nb::handle parameters, nb::handle ball1, nb::han
   const nb::object to1 = made<double>(spare_out_, {n, 3, 3});
   const nb::object to2 = made<double>(spare_out2_, {n, 3, 3});
   const auto places1 = nb::cast<Places>(to1), places2 = nb::cast<Places>(to2);
-  const nb::object marks = statuses_for(status, n);
+  const nb::object marks = statuses_for(status, spare_statuses_, n);
   Inputs in;
   Outputs results;
   set_ball<0>(in, 0, one);
@@ -199,19 +152,6 @@ nb::tuple Kernel::collide_pairs(nb::handle parameters, nb::handle ball1, nb::han
   copy_places(two, places2);
   batch(p, u_b, in, results, nb::cast<Statuses>(marks));
   return nb::make_tuple(to1, to2, marks);
-}
-
-nb::object Kernel::statuses_for(nb::handle given, std::size_t n) const {
-  if (given.is_none()) return made<unsigned char>(spare_statuses_, {n});
-  Statuses status;
-  if (!nb::try_cast(given, status, false)) {
-    refuse_type("status", given, "a writable uint8 array of shape (n,), contiguous");
-  }
-  if (status.shape(0) != n) {
-    refuse_value("status: expected one byte a collision, " + std::to_string(n) + "; " +
-                 std::to_string(status.shape(0)) + " came");
-  }
-  return nb::borrow(given);
 }
 
 void Kernel::batch(Parameters p, nb::handle u_b, const Inputs& in, const Outputs& out,

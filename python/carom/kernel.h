@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstddef>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,23 +11,10 @@
 #include "arguments.h"
 #include "columns.h"
 #include "kernel_table.h"
-#include "result_memory.h"
+#include "request.h"
+#include "results.h"
 
 namespace carom {
-
-/// What became of a collision: as in carom.h.
-enum class Status : int { kOk = 0, kSeparating = 1, kBadInput = 2, kTilted = 3 };
-
-/// What a kernel is asked for by; `target` where it was named.
-struct Request {
-  std::string model;
-  std::optional<double> max_error;
-  std::optional<int> steps;
-  std::optional<std::string> target;
-};
-
-/// Raises ValueError naming what there is, RuntimeError where the CPU does not run it.
-const Row& find_row(const Request& request);
 
 class Kernel {
  public:
@@ -58,14 +44,11 @@ class Kernel {
                           nb::handle status) const;
 
  private:
-  using Memory = std::shared_ptr<Spare>;
-
   const Row& row_for(const Parameters& p) const;
   int one(const Parameters& p, const double* ball1, const double* ball2, double* out1,
           double* out2) const;
   int one_call(const Parameters& p, const double* ball1, const double* ball2, double* out1,
                double* out2) const;
-  nb::object statuses_for(nb::handle given, std::size_t n) const;
   void batch(Parameters p, nb::handle u_b, const Inputs& in, const Outputs& out,
              Statuses status) const;
   void run(const Row& row, const Parameters& p, const double* u_b, std::size_t n,

@@ -38,6 +38,35 @@ struct Row {
 extern const Row kRows[];
 extern const std::size_t kRowCount;
 
+/// As carom_cushion_params of the scene `any`: m, kg, three coefficients from 0 to 1, m.
+struct CushionParameters {
+  double R, M, u_s, u_w, e_c, h;
+};
+
+/// The C ABI of a kernel of a ball and a cushion.
+struct CushionFunctions {
+  int (*collide)(const CushionParameters& p, const double* ball, const double* normal, double* out);
+  std::size_t (*batch)(const CushionParameters& p, const double* u_w, std::size_t n,
+                       const double* const* in, double* const* out, unsigned char* status);
+  const char* (*name)();
+};
+
+/// As Row, of a ball and a cushion.
+struct CushionRow {
+  const char* model;
+  const char* target;
+  bool (*runs)();
+  int steps;
+  double budget;
+  int lanes;
+  CushionFunctions functions;
+  int (*collide_steps)(const CushionParameters& p, const double* ball, const double* normal,
+                       double* out, int steps);
+};
+
+extern const CushionRow kCushionRows[];
+extern const std::size_t kCushionRowCount;
+
 /// What kernels take: the numbers of Parameters in their order, then how heavy ball 1 may be.
 struct Range {
   const char* name;
@@ -47,6 +76,9 @@ struct Range {
 constexpr std::size_t kRangeCount = 6;
 extern const Range kRanges[kRangeCount];
 extern const Range kMassRatio;
+
+constexpr std::size_t kCushionRangeCount = 6;
+extern const Range kCushionRanges[kCushionRangeCount];
 
 }  // namespace carom
 

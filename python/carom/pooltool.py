@@ -1,9 +1,12 @@
-"""A collision model for pooltool that takes the place of its `FrictionalMathavan`.
+"""Collision models for pooltool, in place of its `FrictionalMathavan` and `Mathavan2010`.
 
-    from carom.pooltool import FrictionalMathavan
+    from carom.pooltool import FrictionalMathavan, Mathavan2010Circular, Mathavan2010Linear
 
     engine = pooltool.physics.PhysicsEngine()  # after 0.6.0: pooltool.evolution.SimulationEngine()
     engine.resolver.ball_ball = FrictionalMathavan()
+    exact = {"contact_model": "clamped", "max_error": 1e-6}
+    engine.resolver.ball_linear_cushion = Mathavan2010Linear(**exact)
+    engine.resolver.ball_circular_cushion = Mathavan2010Circular(**exact)
 
 Needs pooltool 0.5 or 0.6 (PyPI: pooltool-billiards), or its development head, as of June 2026.
 """
@@ -15,7 +18,7 @@ from importlib.metadata import PackageNotFoundError, version
 from math import isclose, isfinite
 from typing import Any
 
-from carom import Kernel, Parameters, Status
+from carom import CushionKernel, CushionParameters, Kernel, Parameters, Status
 
 _FIRST, _LAST = (0, 5), (0, 6)  # releases that the tests run with
 
@@ -49,7 +52,15 @@ try:
         AlciatoreBallBallFriction,
         BallBallFrictionStrategy,
     )
-    from pooltool.physics.resolve.models import BallBallModel
+    from pooltool.physics.resolve.ball_cushion.core import (
+        CoreBallCCushionCollision,
+        CoreBallLCushionCollision,
+    )
+    from pooltool.physics.resolve.models import (
+        BallBallModel,
+        BallCCushionModel,
+        BallLCushionModel,
+    )
 except ImportError as error:
     raise _unfit(f" ({error})") from error
 try:
@@ -58,7 +69,7 @@ except ModuleNotFoundError:  # up to 0.6.0
     Dim = None
 
 
-__all__ = ["FrictionalMathavan"]
+__all__ = ["FrictionalMathavan", "Mathavan2010Circular", "Mathavan2010Linear"]
 
 _SAME = 1e-9  # masses or radii that differ by less are equal but for rounding
 _MOST_RATIO = 10.0  # of masses, as the kernels of two masses take them
@@ -157,3 +168,120 @@ def _require_ratio(one: BallParams, two: BallParams) -> None:
             f"balls of mass {one.m:g} and {two.m:g} kg: expected a ratio from {1 / _MOST_RATIO:g} "
             f"to {_MOST_RATIO:g}; {_AS_POOLTOOL}"
         )
+
+
+# ---- The cushion -------------------------------------------------------------------------------
+
+_DELTA_P = (1e-9, 1.0)  # N s
+_MANY_STEPS = 5000  # from so many on, the kernel's own shortest step is pooltool's shorter one
+_NO_IMPACT = "no collision: the ball's state or the cushion's normal is not finite"
+
+
+@cache
+def _cushion_kernel(contact_model: str, max_error: float | None, steps: int) -> CushionKernel:
+    if max_error is None:
+        return CushionKernel(contact_model, steps=steps)
+    return CushionKernel(contact_model, max_error=max_error)
+
+
+def _impact_can_be_made(model: Any, field: Any, value: Any) -> None:
+    """A validator: as `_can_be_made`, of the fields of a cushion's model."""
+    asked = {name: getattr(model, name) for name in ("contact_model", "max_error", "max_steps")}
+    asked["steps"] = asked.pop("max_steps")
+    _cushion_kernel(**{**asked, "steps" if field.name == "max_steps" else field.name: value})
+
+
+def _is_a_step(_model: Any, _field: Any, value: Any) -> None:
+    low, high = _DELTA_P
+    if not low <= value <= high:
+        raise ValueError(f"delta_p = {value}: expected {low:g} to {high:g} N s")
+
+
+def _normal(cushion: Any, ball: Ball) -> Any:
+    """Level, into the cushion as pooltool takes it: as the ball moves."""
+    own = getattr(cushion, "get_normal_xy", None)  # from 0.6.0 on
+    normal = own(ball.xyz) if own else cushion.get_normal(ball.state.rvw)
+    return normal[:2] if normal @ ball.state.rvw[1] > 0 else -normal[:2]
+
+
+def _mass(mass: float, model: Any) -> float:
+    """The mass at which the kernel's own shortest step does what `delta_p` does.
+
+    Only delta_p / M counts, besides what does not depend on the mass.
+    """
+    own = 1e-4 if model.max_steps >= _MANY_STEPS else 1e-3
+    return mass if model.delta_p == own else mass * (own / float(model.delta_p))
+
+
+def _solve_cushion(model: Any, ball: Ball, cushion: Any) -> tuple[Ball, Any]:
+    """The ball with its velocities after the impact, sliding."""
+    params, rvw = ball.params, ball.state.rvw
+    exact = model.max_error is not None
+    mass = params.m if exact else _mass(params.m, model)
+    given = CushionParameters(
+        params.R, mass, params.u_s, params.f_c, params.e_c, float(cushion.height)
+    )
+    kernel = _cushion_kernel(model.contact_model, model.max_error, model.max_steps)
+    after, status = kernel.collide(given, rvw[1:], _normal(cushion, ball))
+    if status > Status.SEPARATING:
+        raise ValueError(_NO_IMPACT)
+    state = rvw.copy()
+    state[1:] = after
+    ball.state = BallState(state, const.sliding)
+    return ball, cushion
+
+
+_TEXT = """pooltool's fields, and two more: which contact model, and an error budget.
+
+    As it stands it gives what pooltool's own class gives. `contact_model` is `pooltool`, `printed`
+    or `clamped` (docs/models.md of carom says how they differ). With `max_error` (relative to the
+    ball's speed) the exact solution of `printed` or `clamped` is approached that closely, and
+    `max_steps` and `delta_p` do not count; the model `pooltool` has fixed steps alone.
+
+    A model, number of steps, `delta_p` or budget that no kernel has is refused when the object is
+    made. As in pooltool, a ball that leaves is taken to come.
+
+    `solve` raises ValueError where the ball's state is not finite or a parameter is out of range:
+    the nose is from R to below 2 R above the table, and what pooltool computes below R is no impact
+    of this model.
+    """
+
+
+@attrs.define
+class Mathavan2010Linear(CoreBallLCushionCollision):
+    __doc__ = _TEXT
+
+    max_steps: int = attrs.field(default=1000, validator=_impact_can_be_made)
+    delta_p: float = attrs.field(default=0.001, validator=_is_a_step)
+    contact_model: str = attrs.field(default="pooltool", validator=_impact_can_be_made)
+    max_error: float | None = attrs.field(default=None, validator=_impact_can_be_made)
+
+    model: BallLCushionModel = attrs.field(
+        default=BallLCushionModel.MATHAVAN_2010, init=False, repr=False
+    )
+    if Dim is not None:
+        dim: Any = attrs.field(default=Dim.TWO, init=False, repr=False)
+
+    def solve(self, ball: Ball, cushion: Any) -> tuple[Ball, Any]:
+        """The ball with its velocities after the impact, sliding."""
+        return _solve_cushion(self, ball, cushion)
+
+
+@attrs.define
+class Mathavan2010Circular(CoreBallCCushionCollision):
+    __doc__ = _TEXT
+
+    max_steps: int = attrs.field(default=1000, validator=_impact_can_be_made)
+    delta_p: float = attrs.field(default=0.001, validator=_is_a_step)
+    contact_model: str = attrs.field(default="pooltool", validator=_impact_can_be_made)
+    max_error: float | None = attrs.field(default=None, validator=_impact_can_be_made)
+
+    model: BallCCushionModel = attrs.field(
+        default=BallCCushionModel.MATHAVAN_2010, init=False, repr=False
+    )
+    if Dim is not None:
+        dim: Any = attrs.field(default=Dim.TWO, init=False, repr=False)
+
+    def solve(self, ball: Ball, cushion: Any) -> tuple[Ball, Any]:
+        """The ball with its velocities after the impact, sliding."""
+        return _solve_cushion(self, ball, cushion)
