@@ -13,7 +13,6 @@ from .islands import Score
 from .judge import Judge
 
 Hunt = Literal["error", "jump", "energy", "symmetry", "slow"]
-HUNTS: tuple[Hunt, ...] = ("error", "jump", "energy", "symmetry", "slow")
 JUMP = 0.1  # of the budget: by how much more than the exact results those of neighbours may differ
 _APART = 1e-4  # relative, of two cases between which a jump is looked for
 _ROUNDS = 60  # halvings until two cases are neighbours

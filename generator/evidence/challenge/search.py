@@ -75,10 +75,6 @@ class Result:
     def held(self) -> bool:
         return not self.over
 
-    @property
-    def per_second(self) -> float:
-        return self.evaluations / max(self.seconds, 1e-9)
-
 
 def search(
     subject: Subject,

@@ -34,11 +34,6 @@ S1X, S1Y = _real("s1x s1y")
 S2X, S2Y = _real("s2x s2y")
 V_N = sp.Symbol("v_n", real=True)
 
-# Sums of the increments over the collision (m/s).
-Q = sp.Symbol("q_sum", real=True)
-SUM_DX, SUM_DZ = _real("sum_dx sum_dz")
-SUM_T1X, SUM_T1Y, SUM_T2X, SUM_T2Y = _real("sum_t1x sum_t1y sum_t2x sum_t2y")
-
 # Inverse masses relative to the unit of impulse: beta_i = M / M_i (1 for equal balls).
 BETA1, BETA2 = sp.symbols("beta1 beta2", positive=True)
 

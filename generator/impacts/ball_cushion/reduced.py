@@ -19,7 +19,6 @@ from . import symbols as s
 from .contact import reduce_angle, slips, velocity_rates
 
 _SLIPS = (s.C_X, s.C_Z, s.S_X, s.S_Y)
-FRICTION = (s.D_X, s.D_Z, s.T_X, s.T_Y)
 
 
 @cache

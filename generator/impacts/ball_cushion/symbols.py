@@ -21,7 +21,6 @@ VELOCITIES = (V_X, V_Y, O_X, O_Y, O_Z)
 
 # The nose touches the ball at the angle theta above its centre.
 SIN, COS = sp.Symbol("S", real=True), sp.Symbol("C", positive=True)
-HEIGHT = sp.Symbol("height", positive=True)  # h / R
 
 # Friction for each unit of q: of the cushion along x and up its face, of the table along x and y.
 D_X, D_Z, T_X, T_Y = _real("d_x d_z t_x t_y")
