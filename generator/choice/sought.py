@@ -32,7 +32,7 @@ Choose = Callable[[Entries], tuple[Entries, Choice]]
 
 EVALUATIONS = 20_000  # a second or two of an idle machine's two cores
 SEED = 2014
-TRIES = 3  # kernels that are searched for one choice
+SEARCHES = 8  # for one choice, at most
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,7 @@ class Sought:
     over: float | None  # largest error over the budget; None: valid input is refused
     held: bool
     case: str  # a row in the columns of reference/inputs.csv
+    known: bool = False  # did a case that was known show it, without a search?
 
     def told(self) -> str:
         """For the summary and for selection.json."""
@@ -55,18 +56,18 @@ class Sought:
 def choose_sought(bench: Workbench, kernels: Entries, choose: Choose) -> tuple[Entries, Choice]:
     """The first choice that holds under the worst root estimates, and a short search.
 
-    What does not is rejected and the next is chosen, which meets the case that the search found
-    first. Where the search finds `TRIES` kernels over, or no other is left, the first choice
-    stands, and says so: a kernel that nearly always holds is worth more than none.
+    What does not is rejected and the next is chosen, which meets the cases found so far first: what
+    they show costs no search. Only where none that may be chosen holds, or `SEARCHES` have
+    found none, the one that is least over stands, and says so.
     """
-    first: Choice | None = None
+    over: list[tuple[float, Choice]] = []
     known: list[Array] = []
-    left = kernels
-    for _ in range(TRIES):
+    left, searches = kernels, 0
+    while searches < SEARCHES:
         try:
             left, choice = _held_at_worst(bench, left, choose)
         except KernelError:
-            if first is None:
+            if not over:
                 raise
             break
         found = sought(bench, choice.chosen, known)
@@ -76,12 +77,12 @@ def choose_sought(bench: Workbench, kernels: Entries, choose: Choose) -> tuple[E
         choice = replace(choice, sought=found.told() + case)
         if found.held:
             return left, choice
-        first = first or choice
+        searches += not found.known
+        over.append((float("inf") if found.over is None else found.over, choice))
         known.append(np.array(found.case.split(",")[2:], dtype=np.float64))
         left = _with(left, Rejected(choice.chosen, "search", f"search: {found.told()}"))
-    if first is None:
-        raise KernelError("no kernel was searched")
-    return _with(left, first.chosen), first
+    _, least = min(over, key=lambda each: each[0])
+    return _with(left, least.chosen), least
 
 
 def _held_at_worst(bench: Workbench, kernels: Entries, choose: Choose) -> tuple[Entries, Choice]:
@@ -146,7 +147,9 @@ def _met(subject: Subject, cases: Sequence[Array]) -> Sought | None:
     if not cases:
         return None
     over = [f for f in errors_confirmed(subject.judge(), np.array(cases)) if counts_as_over(f)]
-    return _of(max(over, key=lambda f: f.over), len(cases), False) if over else None
+    if not over:
+        return None
+    return replace(_of(max(over, key=lambda f: f.over), len(cases), False), known=True)
 
 
 def search_hash(impact: Impact) -> str:

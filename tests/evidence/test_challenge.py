@@ -215,6 +215,14 @@ def test_kernel_that_the_search_breaks_is_not_chosen(monkeypatch: pytest.MonkeyP
     assert choice.sought == "0.5 of the budget, 100 evaluations, seed 1"
 
 
+def test_search_goes_on_until_a_kernel_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fourth of four: the main job once chose the first of three that were over."""
+    held = {"fast": False, "slower": False, "slow": False, "doubles": True}
+    choice = choosing(monkeypatch, held)
+    print(f"chosen: {choice.chosen.name}")
+    assert choice.chosen.name == "doubles"
+
+
 def test_where_none_holds_the_first_stands_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     choice = choosing(monkeypatch, {"fast": False, "slower": False})
     assert choice.chosen.name == "fast"
