@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from ..impacts import registry as all_impacts
-from ..impacts.ball_ball.models import MODELS
 from ..registry.axes import AXES
 from ..registry.lanes import INSTRUCTION_SETS
 from ..registry.rules import RULES
@@ -51,11 +50,10 @@ class SceneRow:
 
 @dataclass(frozen=True)
 class ModelRow:
-    """A contact model: where its table slip is taken, and whether a ball may be lifted."""
+    """A contact model and the terms in which the models of its impact differ."""
 
     name: str
-    table_slip_point: str
-    lift: bool
+    terms: Mapping[str, object]
     what: str
 
 
@@ -141,19 +139,19 @@ def impacts() -> tuple[ImpactRow, ...]:
     )
 
 
-def scenes() -> tuple[SceneRow, ...]:
-    """What may be known of a shot."""
-    found = all_impacts.find_impact(all_impacts.DEFAULT).scene_table().values()
+def scenes(impact: str = all_impacts.DEFAULT) -> tuple[SceneRow, ...]:
+    """What may be known of a shot. Raises InputError where there is no such impact."""
+    found = all_impacts.find_impact(impact).scene_table().values()
     return tuple(
         SceneRow(s.name, s.text, {str(k): v for k, v in s.fixed.items()}, s.model, s.max_error)
         for s in found
     )
 
 
-def models() -> tuple[ModelRow, ...]:
-    """The contact models."""
-    rows = ((m.name, m.terms.table_slip_point, m.terms.lift, m.text) for m in MODELS)
-    return tuple(ModelRow(*row) for row in rows)
+def models(impact: str = all_impacts.DEFAULT) -> tuple[ModelRow, ...]:
+    """The contact models. Raises InputError where there is no such impact."""
+    found = all_impacts.find_impact(impact).model_table()
+    return tuple(ModelRow(m.name, asdict(m.terms), m.text) for m in found)
 
 
 def variants() -> Variants:

@@ -8,10 +8,12 @@ import click
 
 from .. import api
 from ..errors import InputError
+from ..impacts import DEFAULT
 from . import options
 from .show import rows_of, session, show, three_digits
 
 if TYPE_CHECKING:
+    from ..api.listing import ModelRow
     from ..report.figures.scene_costs import SceneCost
 
 _TITLES = {
@@ -24,12 +26,18 @@ _TITLES = {
 
 @click.command("list")
 @click.argument("what", type=click.Choice(["impacts", "targets", "scenes", "variants", "models"]))
+@options.IMPACT
 @options.JSON
 @click.option("--cost", is_flag=True, help="of scenes: operations and times, measured here")
 @options.TARGET
 @options.seconds(3.0, "each scene with --cost")
-def list_rows(what: str, as_json: bool, cost: bool, target: str, seconds: float) -> None:
+def list_rows(
+    what: str, impact: str, as_json: bool, cost: bool, target: str, seconds: float
+) -> None:
     """List what there is to choose from."""
+    if impact != DEFAULT and (cost or what not in ("scenes", "models")):
+        asked = "scenes --cost" if cost else what
+        raise InputError(f"--impact {impact}: is for list scenes and list models, not {asked}")
     if cost:
         if what != "scenes":
             raise InputError(f"--cost: {what} have none; expected list scenes --cost")
@@ -40,13 +48,18 @@ def list_rows(what: str, as_json: bool, cost: bool, target: str, seconds: float)
         show(tables if as_json else {_TITLES[key]: rows for key, rows in tables.items()}, as_json)
     else:
         rows = {
-            "impacts": api.impacts,
-            "targets": api.targets,
-            "scenes": api.scenes,
-            "models": api.models,
+            "impacts": lambda: rows_of(api.impacts()),
+            "targets": lambda: rows_of(api.targets()),
+            "scenes": lambda: rows_of(api.scenes(impact)),
+            "models": lambda: [_model(row) for row in api.models(impact)],
         }[what]()
         titles = {"models": "contact models", "targets": f"targets{_unknown_host()}"}
-        show({titles.get(what, what): rows_of(rows)}, as_json)
+        show({titles.get(what, what): rows}, as_json)
+
+
+def _model(row: ModelRow) -> dict[str, object]:
+    """With a column for each term in which models differ."""
+    return {"name": row.name, **row.terms, "what": row.what}
 
 
 def _unknown_host() -> str:
