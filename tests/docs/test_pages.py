@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.browser import ask
 from tests.support.kernels import ROOT
 from tools import reference_page
 
@@ -83,6 +84,16 @@ def test_each_page_is_in_the_site_and_the_site_builds_without_a_warning(tmp_path
     assert {page.stem for page in tmp_path.glob("*.html")} >= {
         page.stem for page in (ROOT / "docs").glob("*.md")
     }
+
+
+def test_no_page_is_wider_than_a_narrow_screen(tmp_path: Path) -> None:
+    """Tables, pictures and code scroll by themselves; the pages here have the widest."""
+    command = [sys.executable, "-m", "mkdocs", "build", "-q", "-d", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True)
+    for name in ("measurements", "sweep", "quick-start"):
+        wide = ask(tmp_path / f"{name}.html", "return document.documentElement.scrollWidth", 500)
+        print(f"{name}: {wide} of 500 pixels")
+        assert wide <= 500
 
 
 SNIPPETS = re.findall(
