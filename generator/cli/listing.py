@@ -47,12 +47,12 @@ def list_rows(
         tables = {key: rows_of(getattr(found, key)) for key in _TITLES}
         show(tables if as_json else {_TITLES[key]: rows for key, rows in tables.items()}, as_json)
     else:
-        rows = {
-            "impacts": lambda: rows_of(api.impacts()),
-            "targets": lambda: rows_of(api.targets()),
-            "scenes": lambda: rows_of(api.scenes(impact)),
-            "models": lambda: [_model(row) for row in api.models(impact)],
-        }[what]()
+        if what == "models":
+            rows = [_model(row) for row in api.models(impact)]
+        elif what == "scenes":
+            rows = rows_of(api.scenes(impact))
+        else:
+            rows = rows_of({"impacts": api.impacts, "targets": api.targets}[what]())
         titles = {"models": "contact models", "targets": f"targets{_unknown_host()}"}
         show({titles.get(what, what): rows}, as_json)
 

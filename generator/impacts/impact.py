@@ -112,6 +112,10 @@ class Model(Protocol):
     @property
     def name(self) -> str: ...
     @property
+    def terms(self) -> Any:
+        """A dataclass of what the models of the impact differ in."""
+
+    @property
     def text(self) -> str: ...
 
 
