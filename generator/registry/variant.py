@@ -186,9 +186,8 @@ def make_variant(
     stepper: Stepper,
     width: int = 1,
     /,
-    impact: str = DEFAULT_IMPACT,
     **options: str,
 ) -> Variant:
-    """As `answered`, for a question that is given in parts."""
-    question = Question(impact, target, scene, model, stepper.goal, Width(width))
+    """As `answered`, for a question of the default impact that is given in parts."""
+    question = Question(DEFAULT_IMPACT, target, scene, model, stepper.goal, Width(width))
     return answered(question, stepper.name, options)
