@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from ..choice.folder import (
@@ -25,8 +27,16 @@ def check(out: Path | None = None, session: Session | None = None) -> tuple[Diff
     Raises InputError where there is nothing to check, or a selection.json cannot be read.
     """
     root = out or (session or Session()).generated
-    differing = [d for folder in generated_folders(root) for d in differences(folder)]
+    differing = [d for each in _all_differences(generated_folders(root)) for d in each]
     return (*differing, *(Difference(path, "stray") for path in strays_beside(root)))
+
+
+def _all_differences(found: list[Path]) -> list[list[Difference]]:
+    """Of each folder; of several in processes side by side."""
+    if len(found) == 1:
+        return [differences(found[0])]
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(differences, found))
 
 
 def update(out: Path | None = None, session: Session | None = None) -> tuple[Difference, ...]:

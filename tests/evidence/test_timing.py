@@ -33,6 +33,7 @@ from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
 from generator.impacts.ball_ball.evidence.measure import STICKS, VELOCITIES, errors_of
 from generator.impacts.registry import find_impact
+from generator.places import cache_folder
 from tests.support.reference import exact_verdict, load_reference
 
 ORACLE = ROOT / "tests" / "oracle" / "ball_ball"
@@ -66,7 +67,7 @@ def compiled(folder: Path, name: str, source: str, *flags: str) -> Path:
 
 @pytest.fixture(scope="session")
 def tool() -> BenchTool:
-    return build_bench_tool(ROOT / "build" / "bench-tool")  # one for all workers and later runs
+    return build_bench_tool(cache_folder())  # one for all workers and later runs
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,7 @@ from generator.emission.header import header_of
 from generator.evidence.timing.bench_tool import Way, build_bench_tool
 from generator.impacts import registry
 from generator.impacts.ball_ball.row import BALL_BALL
+from generator.places import cache_folder
 from generator.registry.question import Contest, Goal, read_question
 from generator.targets.target import find_target
 from generator.toolchain.compilers import find_compilers
@@ -24,7 +25,6 @@ from tests.impacts.wall.row import WALL
 from tests.support.kernels import ROOT
 
 HERE = Path(__file__).parent / "wall"
-CACHE = ROOT / "build" / "bench-tool"
 TARGET = "x86-64-v2"
 CONTEST = Contest(WALL.name, TARGET, "any", "rigid", Goal(budget=1e-6), "scalar")
 
@@ -58,7 +58,7 @@ def checkout(folder: Path) -> Path:
 
 @pytest.mark.usefixtures("third")
 def test_a_third_impact_is_emitted_built_verified_and_called(tmp_path: Path) -> None:
-    tool = build_bench_tool(CACHE, checkout(tmp_path), WALL)
+    tool = build_bench_tool(cache_folder(), checkout(tmp_path), WALL)
     bench = Workbench(tool, tmp_path / "cache", {c.code: c for c in find_compilers()})
     made = bench.check(bench.emit(default_kernel(CONTEST), find_target(TARGET)))
     assert isinstance(made, Verified), made.text

@@ -12,12 +12,12 @@ import numpy as np
 from generator.evidence.timing.bench_tool import BenchTool, build_bench_tool
 from generator.impacts.ball_cushion.columns import COLUMNS
 from generator.impacts.ball_cushion.row import BALL_CUSHION
+from generator.places import cache_folder
 from generator.registry.question import Goal, Question, Width
 from generator.registry.variant import Variant, answered
 from tests.support.kernels import ROOT
 
 DATA = ROOT / "tests" / "data" / "ball_cushion"
-BENCH = ROOT / "build" / "bench-tool"
 FIXED = "fixed"
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 
@@ -38,7 +38,7 @@ def cushion_variant(
 
 def cushion_tool() -> BenchTool:
     """carom_bench of a ball and a cushion: random cases, and the oracle's answers."""
-    return build_bench_tool(BENCH, impact=BALL_CUSHION)
+    return build_bench_tool(cache_folder(), impact=BALL_CUSHION)
 
 
 @dataclass(frozen=True)

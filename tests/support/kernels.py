@@ -16,6 +16,7 @@ from generator.evidence.verification.errors import Array
 from generator.evidence.verification.worst_estimates import at_worst
 from generator.impacts.ball_ball.evidence import MODELS
 from generator.impacts.ball_ball.evidence.fixed_steps import euler_verdict
+from generator.places import cache_folder
 from generator.registry.axes import axes_of
 from generator.registry.names import name_of
 from generator.registry.rules import broken_rule
@@ -32,7 +33,7 @@ CACHE = ROOT / "build" / "test-kernels"
 
 
 def bench_tool() -> BenchTool:
-    return build_bench_tool(ROOT / "build" / "bench-tool")
+    return build_bench_tool(cache_folder())
 
 
 def variant(target: str = "x86-64-v3", model: str = "pooltool", **options: str) -> Variant:

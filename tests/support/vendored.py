@@ -11,6 +11,7 @@ from pathlib import Path
 from generator.choice import candidates
 from generator.choice.selection import Selected
 from generator.evidence.timing.bench_tool import BenchTool, build_bench_tool
+from generator.places import cache_folder
 from generator.registry.lanes import widths_of
 from generator.registry.question import Goal
 from generator.targets.target import find_target
@@ -18,7 +19,6 @@ from generator.vendoring.folder import write_files
 from generator.vendoring.job import all_files
 from generator.vendoring.kernels import TargetKernels
 from generator.vendoring.request import VendorRequest, checked
-from tests.support.kernels import ROOT
 
 EXACT = Goal(budget=1e-6)
 STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
@@ -70,8 +70,7 @@ def files_for(request: VendorRequest, lanes: bool = False) -> dict[str, str]:
 def tools_for(request: VendorRequest) -> dict[str, BenchTool]:
     """What answers golden cases, of each impact."""
     return {
-        part.impact: build_bench_tool(ROOT / "build" / "bench-tool", impact=part.row)
-        for part in request.parts
+        part.impact: build_bench_tool(cache_folder(), impact=part.row) for part in request.parts
     }
 
 
