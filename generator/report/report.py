@@ -67,6 +67,7 @@ def make_report(known: Known) -> Report:
         **measured,
         "cpus": cpus.cpu_costs(known.timings, known.scene, known.model),
         "published": published.published_rows(known),
+        "paper": impact.part("presets").PAPER,
     }
     document["missing"] = _missing(known, document)
     plots = {

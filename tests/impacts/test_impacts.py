@@ -32,12 +32,10 @@ NAMES = re.compile(
 # fall: a file more fails the test, and so does one less until the count is lowered.
 REMAINING = {
     "generator/impacts/__init__.py": (1, "the default's name"),
-    "generator/impacts/registry.py": (1, "the one row"),
+    "generator/impacts/registry.py": (1, "the rows"),
     "generator/registry/*": (2, "lanes that are balls, an option of the report, and its rules"),
-    "generator/api/*": (1, "models by name"),
-    "generator/clients/*": (1, "the kernels of two masses"),
-    "generator/report/*": (1, "the published page, by its title"),
-    "templates/*": (2, "a batch of the clients' table, the published page's title"),
+    "generator/clients/*": (1, "what a module has of either impact"),
+    "templates/*": (1, "the same, as a table in C++"),
 }
 SUFFIXES = {".py", ".j2", ".cpp", ".h", ".toml"}
 

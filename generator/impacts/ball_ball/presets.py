@@ -21,6 +21,8 @@ class Preset:
     report_cycles: int | None = None
 
 
+PAPER = "Optimizing ball to ball collisions on Zen 3 architecture"
+
 _PAPER = {"compiler": "gcc", "flags": "report", "fma": "autofma"}
 _NO_FMA = {**_PAPER, "fma": "nofma"}
 _MASKS = {"branch": "bitmask", "roots": "early", "reuse": "precompute", "fma": "fma"}

@@ -1,12 +1,12 @@
-"""The figures of Li, Egger, Ruff and Pfingsten, "Optimizing ball to ball collisions on Zen 3
-architecture" (ETH): mean cycles over five cases, N = 1000, Ryzen 7 7735U. None of theirs is ours.
+"""The figures of Li, Egger, Ruff and Pfingsten (ETH): mean cycles over five cases, N = 1000, on a
+Ryzen 7 7735U. None of theirs is ours.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from ...impacts.ball_ball.presets import PAPER_PRESETS
+from ...registry.question import DEFAULT_IMPACT, find_impact
 from ..experiments.subjects import BASELINE
 from ..known import Known
 
@@ -23,11 +23,12 @@ _THEIRS = "the report's cycles for this row are not known here"
 def published_rows(known: Known) -> list[dict[str, Any]]:
     """The report's rows in its order, ours beside them where there is one."""
     ours = {k.role: k.seed_cycles for k in known.kernels if k.seed_cycles}
-    theirs = {p.name: p.report_cycles for p in PAPER_PRESETS}
+    presets = find_impact(DEFAULT_IMPACT).part("presets").PAPER_PRESETS
+    theirs = {p.name: p.report_cycles for p in presets}
     rows: list[tuple[str, str, int | None, str]] = [
         ("numba, as pooltool had it", "", NUMBA_CYCLES, "Python; no kernel of ours")
     ]
-    for p in PAPER_PRESETS:
+    for p in presets:
         note = "" if p.name in ours else "not measured: ./gen report --measure"
         rows.append((p.text, p.name, p.report_cycles, note if p.report_cycles else _THEIRS))
     found = [
