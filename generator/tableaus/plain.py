@@ -63,3 +63,15 @@ BUTCHER_6 = PlainTableau(
     nodes=_row(_NONE, (5, -1, 10), (5, 1, 10), (1, 0, 1)),
     node_stages=(0, 5, 4, 6),
 )
+
+_THIRD = Fraction(1, 3)
+
+KUTTA_4 = PlainTableau(
+    "kutta38",
+    4,
+    ((), (_THIRD,), (-_THIRD, Fraction(1)), (Fraction(1), Fraction(-1), Fraction(1))),
+    (Fraction(1, 8), Fraction(3, 8), Fraction(3, 8), Fraction(1, 8)),
+    "Kutta, Z. Math. Phys. 46 (1901) 435: order 4 in 4 stages, the 3/8 rule",
+    nodes=(Fraction(0), _THIRD, 2 * _THIRD, Fraction(1)),
+    node_stages=(0, 1, 2, 3),
+)

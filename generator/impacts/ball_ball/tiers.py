@@ -7,6 +7,7 @@ from .scene import find_scene
 _LEAST = {
     "mathavan2014": 1e-6,
     "bottom_slip": 1e-6,
+    "pooltool": 1e-6,
 }  # the tightest budget of a model's certificates
 
 

@@ -1,15 +1,15 @@
 """What the certificates of fixed steps weigh, by model and budget.
 
 The terms follow from where the rates are analytic (docs/fixed-tiers.md). Their weights are those
-under which no collision of a search with an error over `error` is accepted, times a margin.
+under which no collision of a search with an error over `error` is accepted,
+times a margin; weights.py has them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from .....tableaus.plain import BUTCHER_6, PlainTableau
-from ...terms import ContactTerms
+from .....tableaus.plain import PlainTableau
 
 MOST_ALONE = 2  # steps a phase
 
@@ -70,6 +70,8 @@ class Bound:
     tiers: tuple[Tier | ByPhase, ...]
     least_e_b: float = 0.4
     most_friction: float = 0.12  # u_s u_b
+    most_u_b: float = 1.0
+    most_u_s: float = 1.0
 
     @property
     def whole(self) -> Tier:
@@ -88,88 +90,3 @@ class Bound:
         """That of single calls. Four steps a phase take longer than the adaptive ones."""
         tiers = tuple(tier for tier in self.tiers if tier.steps <= MOST_ALONE)
         return replace(self, error=self.error_alone, tiers=tiers)
-
-
-@dataclass(frozen=True)
-class _Row:
-    """The certificates of a contact model for budgets from `least` on."""
-
-    terms: ContactTerms
-    least: float
-    bound: Bound
-
-
-_WHOLE = Tier(
-    steps=0,
-    terms=(
-        Term(0.0092, reach=2, turning=True),
-        Term(0.645, reach=3, turning=True),
-        Term(0.002, reach=2),
-        Term(0.033, near=2),
-        Term(0.102, near=3),
-        Term(0.065, reach=1, near=1),
-    ),
-    most_way=0.85,
-    most_near=0.75,
-    work=0.004,
-)
-_ONE_A_PHASE = ByPhase(
-    steps=1,
-    first=(
-        Term(0.0543, reach=2, turning=True),
-        Term(5.53, reach=3),
-        Term(0.19, near=2),
-    ),
-    second=(
-        Term(0.037, reach=2, turning=True),
-        Term(0.328, reach=4, turning=True),
-        Term(0.307, reach=6, turning=True),
-        Term(0.0123, reach=2),
-        Term(0.0118, reach=6),
-        Term(0.0042, near=2),
-        Term(0.234, near=3),
-    ),
-)
-_TWO_A_PHASE = ByPhase(
-    steps=2,
-    first=(
-        Term(0.00933, reach=3, turning=True),
-        Term(0.0343, reach=6, turning=True),
-        Term(0.163, reach=6),
-        Term(0.161, near=2),
-    ),
-    second=(
-        Term(0.00205, reach=2, turning=True),
-        Term(0.162, reach=6, turning=True),
-        Term(0.0257, reach=6),
-        Term(0.0251, near=2),
-        Term(0.0132, near=5),
-    ),
-)
-_FOUR_A_PHASE = Tier(
-    steps=4,
-    terms=(
-        Term(0.00221, reach=2, turning=True),
-        Term(0.0522, reach=4, turning=True),
-        Term(0.0803, reach=3),
-        Term(0.00924, near=1),
-        Term(0.718, near=2),
-    ),
-    most_way=0.985,
-    most_near=0.97,
-)
-
-_FOR_1E6 = Bound(2.5e-7, 3.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE, _FOUR_A_PHASE))
-
-_ROWS: tuple[_Row, ...] = (
-    _Row(ContactTerms("bottom", lift=True), 1e-6, _FOR_1E6),
-    _Row(ContactTerms("bottom", lift=False), 1e-6, _FOR_1E6),
-)
-
-
-def bound_for(terms: ContactTerms, budget: float) -> Bound:
-    """The certificates for a budget. ValueError where none are known (tiers.py of the impact)."""
-    for row in _ROWS:
-        if row.terms == terms and budget >= row.least:
-            return row.bound
-    raise ValueError(f"no certificate is known for {terms} and {budget:g}")

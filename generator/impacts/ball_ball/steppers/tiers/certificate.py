@@ -67,7 +67,7 @@ def certificate(bound: Bound, pressed: Pressed) -> Text:
     lines.number("near", select(mask("rests"), 0, near_0))
     _weighed_by(lines, bound, pressed)
     lines.number("rubs", push * q)
-    lines.mask("rubbed", u_s * u_b <= bound.most_friction)
+    _rubbed(lines, bound)
     lines.number("reach_3", _cube(number("reach")))
     lines.number("near_3", _cube(number("near")))
     _tier(lines, bound.whole, 0, "")
@@ -99,7 +99,7 @@ def further(bound: Bound, pressed: Pressed) -> Text:
     _phases(lines, bound, pressed)
     if any(isinstance(tier, Tier) for tier in bound.tiers[1:]):
         lines.number("rubs", number("push") * number("q"))
-        lines.mask("rubbed", number("u_s") * number("u_b") <= bound.most_friction)
+        _rubbed(lines, bound)
         _way(lines, pressed, per_c, n_z)
         lines.number("beyond", 1 - number("part"))
     for i, tier in enumerate(bound.tiers[1:], 1):
@@ -130,6 +130,15 @@ def _weighed_by(lines: Lines, bound: Bound, pressed: Pressed) -> None:
     across = times(pressed.k_x - pressed.k_z, absolute(number("slips.c_x")))
     lines.number("n_x", across * number("per_c"))
     lines.number("room", bound.error * number("relative"))
+
+
+def _rubbed(lines: Lines, bound: Bound) -> None:
+    """Are frictions within what the weights were found in?"""
+    u_b, u_s = number("u_b"), number("u_s")
+    within = u_s * u_b <= bound.most_friction
+    for friction, most in ((u_b, bound.most_u_b), (u_s, bound.most_u_s)):
+        within = both(within, friction <= most) if most < 1 else within
+    lines.mask("rubbed", within)
 
 
 def _in_steps(lines: Lines, tier: Tier) -> str:

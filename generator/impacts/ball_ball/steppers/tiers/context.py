@@ -8,9 +8,10 @@ from .....lowering.printer import number
 from ...masses import EQUAL, pressed_changes
 from ...terms import ContactTerms
 from ..exact.pressed import Pressed
-from .bounds import Bound, bound_for
+from .bounds import Bound
 from .certificate import certificate, further
 from .frame import changed, differences, entering, leaving, sizes
+from .lookup import bound_for
 from .whole import Text, advance, end, end_weights, finish, stage, stage_alone, turn
 
 BLOCK, REST = 64, 128  # collisions that are read at once, and that may wait for the general way
