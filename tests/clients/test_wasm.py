@@ -35,5 +35,6 @@ def test_javascript_gets_what_the_reference_says() -> None:
     assert int(re.search(r"pass (\d+)", text)[1]) >= 15
     size = (build / "js" / "carom.wasm").stat().st_size
     print(f"carom.wasm: {size} bytes")
-    # pooltool's kernels have a second stepper, for errors that its table made grow.
-    assert size < 1_150_000
+    # pooltool's kernels have a second stepper, for errors that its table made grow; the cushion's
+    # one, by power series, is 87 kB.
+    assert size < 1_250_000

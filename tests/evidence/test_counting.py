@@ -17,6 +17,7 @@ from generator.impacts.ball_ball.presets import PRESETS, find_preset
 from generator.impacts.ball_ball.scene import find_scene
 from generator.lowering.counts import OperationCounts
 from generator.registry.names import name_of
+from generator.registry.question import DEFAULT_IMPACT
 from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
@@ -101,6 +102,8 @@ def test_committed_kernels_take_the_operations_that_their_files_state(tmp_path: 
             continue
         selection = read_selection(folder)
         assert selection is not None
+        if selection.impact != DEFAULT_IMPACT:
+            continue  # the cushion's loops have no regions yet
         for entry in selection.kernels:
             if entry.width == 1 and entry.goal.steps and selection.scene == "any":
                 variants.append(entry.variant)
