@@ -1,8 +1,9 @@
-"""Shares and times of the tiers of single calls: `.venv/bin/python tools/tiers.py --model MODEL`
+"""Shares and times of the tiers: `.venv/bin/python tools/tiers.py --model MODEL [--lanes N]`
 
 Which tier a case takes is noted by the kernel's own text (marks `tier` of emission/marks.py). Times
 are of the kernel without notes, interleaved with the adaptive one and with `paper-initial` in one
-process: of all cases, and of those of each tier alone, whose branches are then all guessed.
+process: of all cases, and of those of each tier alone, whose branches are then all guessed. With
+`--lanes` the same of batches in lanes of floats, where no closed form is told from one step.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from generator.evidence.timing.bench_tool import CaseSet
 from generator.evidence.timing.plan import PlannedKernel, TimingPlan
 from generator.evidence.timing.rounds import Rounds
 from generator.evidence.verification.errors import Array
+from generator.impacts.ball_ball.evidence import EVIDENCE
 from generator.impacts.ball_ball.presets import find_preset
 from generator.registry.variant import Variant, make_variant
 from generator.targets.host import read_host
@@ -33,7 +35,6 @@ from generator.toolchain.flags import compile_flags
 from tests.support.exact_kernels import built, exact_variant
 from tests.support.kernels import CACHE, EULER, bench_tool, compiler_of
 
-EASY = ("rolling", "stun", "draw", "side", "break")
 NONE = "none"  # refused, or in closed form
 LEAST = 16  # cases that a tier is timed on
 
@@ -82,6 +83,25 @@ def tiers_of(variant: Variant, cases: Array) -> list[str]:
     return found
 
 
+def tiers_in_lanes(variant: Variant, cases: Array) -> list[str]:
+    """The tier of each case, in a batch of its own. One step, or none, leaves no note."""
+    library = noted(variant)
+    name = ctypes.c_char_p.in_dll(library, "tier_name")
+    steps = ctypes.c_int.in_dll(library, "tier_steps")
+    columns, out, found = np.ascontiguousarray(cases.T), np.zeros((12, 1)), []
+    doubles = ctypes.POINTER(ctypes.c_double)
+    given, to = (doubles * 18)(), (doubles * 12)(*(row.ctypes.data_as(doubles) for row in out))
+    for i, case in enumerate(np.ascontiguousarray(cases)):
+        name.value, steps.value = b"whole", 0
+        for k in range(18):
+            given[k] = columns[6 + k, i:].ctypes.data_as(doubles)
+        library.carom_collide_batch(
+            case.ctypes.data_as(doubles), None, ctypes.c_size_t(1), given, to, None
+        )
+        found.append(name.value.decode() + (f" {steps.value}" if steps.value else ""))
+    return found
+
+
 def variants_of(arguments: argparse.Namespace) -> dict[str, Variant]:
     """The kernel with tiers, the same without, and `paper-initial`."""
     target = find_target(arguments.target) if arguments.target else read_host().target
@@ -90,6 +110,10 @@ def variants_of(arguments: argparse.Namespace) -> dict[str, Variant]:
     )
     options = find_preset("paper-initial").options
     paper = make_variant(target.name, "any", arguments.model, EULER, **options)
+    if arguments.lanes > 1:
+        ways = {"numbers": "float", "interleave": "s2", "lane_root": "est1"}
+        made = made.in_lanes(arguments.lanes, **ways)
+        return {"tiers": made.with_options(lane_tiers="fixed"), "adaptive": made, "paper": paper}
     return {
         "tiers": made.with_options(tiers="fixed"),
         "adaptive": made,
@@ -98,11 +122,11 @@ def variants_of(arguments: argparse.Namespace) -> dict[str, Variant]:
 
 
 def timed(
-    libraries: dict[str, Path], cases: Array, rounds: int, paper: bool = False
+    libraries: dict[str, PlannedKernel], cases: Array, rounds: int, paper: bool = False
 ) -> dict[str, float]:
     """ns of each, and under `ratio` that of the tiers over paper-initial."""
     names = [name for name in libraries if paper or name != "paper"]
-    kernels = tuple(PlannedKernel(name, libraries[name]) for name in names)
+    kernels = tuple(libraries[name] for name in names)
     plan = TimingPlan(cases, kernels, names[-1], rounds=rounds, seconds=20.0)
     result = Rounds.of([bench_tool().timing_document(plan)])
     found = {name: float(np.median(ns)) for name, ns in result.whole.throughput.ns.items()}
@@ -112,11 +136,14 @@ def timed(
 def rows_of(arguments: argparse.Namespace) -> list[Row]:
     """A row for all cases, then for each tier."""
     variants = variants_of(arguments)
-    libraries = dict(zip(variants, built(list(variants.values())), strict=True))
+    paths = zip(variants.items(), built(list(variants.values())), strict=True)
+    libraries = {name: PlannedKernel(name, path, v.width > 1) for (name, v), path in paths}
     print(variants["tiers"].recipe, variants["tiers"].question.file)
-    made = bench_tool().make_cases(TIMING_SEED, 4 * TIMING_CASES)
+    shared = EVIDENCE.shared if arguments.lanes > 1 else None
+    made = bench_tool().make_cases(TIMING_SEED, 4 * TIMING_CASES, fixed=shared)
     cases = chosen_cases(made, arguments.cases)
-    tiers = np.array(tiers_of(variants["tiers"], cases))
+    tell = tiers_in_lanes if arguments.lanes > 1 else tiers_of
+    tiers = np.array(tell(variants["tiers"], cases))
     whole = timed(libraries, cases[:TIMING_CASES], arguments.rounds, paper=True)
     rows = [Row("all", 1.0, whole["tiers"], whole["adaptive"], whole["ratio"])]
     for name in sorted(set(tiers)):
@@ -132,7 +159,7 @@ def rows_of(arguments: argparse.Namespace) -> list[Row]:
 
 def chosen_cases(made: CaseSet, kind: str) -> Array:
     """All, or those kinds that games are made of."""
-    easy = np.array([name in EASY for name in made.kinds])
+    easy = np.array([name in EVIDENCE.easy for name in made.kinds])
     return made.rows[easy] if kind == "easy" else made.rows
 
 
@@ -145,6 +172,7 @@ def main() -> int:
     parser.add_argument("--compiler", default="gcc")
     parser.add_argument("--root", default="")
     parser.add_argument("--rounds", type=int, default=60)
+    parser.add_argument("--lanes", type=int, default=1, help="of floats; default: single calls")
     arguments = parser.parse_args()
     rows = rows_of(arguments)
     print(f"{'tier':12} {'share':>7} {'ns':>7} {'adaptive':>9} {'share * ns':>11}")
