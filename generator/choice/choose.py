@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from ..errors import KernelError
 from ..evidence.records.evidence import Found, told
-from ..evidence.timing.ratios import Interval
+from ..evidence.timing.ratios import Interval, to_digits
 from ..evidence.timing.rounds import Rounds
 from ..registry.variant import Variant
 from ..targets.host import Host
@@ -19,6 +19,7 @@ from .selection import ChosenBy
 from .ties import Standing, pick
 from .timing import standings_of
 
+DIGITS = 4  # of a ratio, which may be one in thousands
 MODEL_BAND = 0.005  # modelled cycles that differ by less count as a tie where no recipe has won
 Stage = TypeVar("Stage", bound=Verified)
 
@@ -52,14 +53,15 @@ def choose_by_time(kernels: Sequence[Verified | Rejected], rounds: Rounds, host:
     timed = [k for k in eligible(kernels) if isinstance(k, Timed)]
     _, standings = standings_of(rounds, timed)
     chosen, cpu = _of(timed, pick(standings)), host.target.name
+    low, high = chosen.timing.ratio_ci
     return Choice(
         chosen=chosen,
         ties=tuple(s.name for s in standings if s.ties),
         by="timing",
         measured_on=cpu,
         evidence=f"timed on {host.cpu} ({cpu}), {rounds.whole.day}, {len(timed)} kernels",
-        ratio=round(chosen.timing.ratio, 4),
-        interval=(round(chosen.timing.ratio_ci[0], 4), round(chosen.timing.ratio_ci[1], 4)),
+        ratio=to_digits(chosen.timing.ratio, DIGITS),
+        interval=(to_digits(low, DIGITS), to_digits(high, DIGITS)),
     )
 
 
@@ -131,7 +133,7 @@ def _modelled(
     chosen: Estimated, tied: tuple[str, ...], cpu: str, evidence: str, baseline: float | None
 ) -> Choice:
     own = chosen.model.cycles if chosen.model else None
-    ratio = round(own / baseline, 4) if own and baseline else None
+    ratio = to_digits(own / baseline, DIGITS) if own and baseline else None
     return Choice(chosen, tied, "llvm-mca", cpu, evidence, ratio)
 
 

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ..evidence.timing.ratios import to_digits
 from ..evidence.verification.verdict import Verdict
 from ..registry.names import name_of
 from ..registry.variant import Variant
-from .choose import Choice
+from .choose import DIGITS, Choice
 from .folder import checked_selection, write_folder
 from .selection import Selected, Selection
 from .trials import Final
@@ -36,8 +37,8 @@ def selected_by_sweep(final: Final) -> Selected:
     figures = {
         "chosen_by": "timing",
         "measured_on": row.subject.asked.target,
-        "ratio_to_baseline": round(row.times.ratio, 4),
-        "interval": (round(low, 4), round(high, 4)),
+        "ratio_to_baseline": to_digits(row.times.ratio, DIGITS),
+        "interval": (to_digits(low, DIGITS), to_digits(high, DIGITS)),
         "max_rel_error": _short(row.max_rel_error),
     }
     ties = [name for name in final.ties if name != final.chosen]
