@@ -22,6 +22,7 @@ from .formatting import format_source
 from .header import Section, emit_header
 from .marks import without_marks
 from .parameters import fields_of
+from .unused import without_unused
 
 _PLAIN = Naming()
 _COUNTED = {"fixed": "an iteration", "exact": "a step"}  # what a banner counts operations of
@@ -89,7 +90,7 @@ def emit(
     sentences = impact.words().contract(scene, variant.model, context.method)
     context = replace(context, contract=_wrapped(*sentences))
     marked = _text(context, command, grounds)
-    source = format_source(without_marks(marked), variant.question.file)
+    source = format_source(without_unused(without_marks(marked)), variant.question.file)
     return KernelSource(
         variant=variant,
         source_name=head.name,
