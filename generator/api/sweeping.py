@@ -184,6 +184,11 @@ def _begun(
             yield plan, lab, store, Ledger(store, _run(asked, plan, lab), asked.fresh)
 
 
+def baseline_of(contest: object) -> str:
+    """What all of a contest are timed against; `contest`: it, or as it is written."""
+    return candidates_of(find_impact(str(contest).split("/")[0])).baseline
+
+
 def _has_lanes(contest: Contest, target: Target) -> bool:
     """Has the contest's stepper kernels of lanes on the target?"""
     family, scene = contest.goal.family, contest.known_scene

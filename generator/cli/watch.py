@@ -49,7 +49,9 @@ class SweepDisplay:
         self.done = self._before + progress.tried
         best = "none yet"
         if progress.best_ratio is not None:
-            best = f"{progress.best_ratio:.4f} of {_baseline(progress.contest)}: {progress.best}"
+            from ..api.sweeping import baseline_of
+
+            best = f"{progress.best_ratio:.4f} of {baseline_of(progress.contest)}: {progress.best}"
         of = "" if self.trials is None else f" of {self.trials}"
         done = f"{self.done}{of} trials, {progress.reused} taken from the store, "
         return [
@@ -184,20 +186,14 @@ def say_verified(final: Final) -> bool:
     return not clear
 
 
-def _baseline(contest: object) -> str:
-    """What all of a contest are timed against; `contest`: it, or as it is written."""
-    from ..choice.candidates import candidates_of
-    from ..registry.question import find_impact
-
-    return candidates_of(find_impact(str(contest).split("/")[0])).baseline
-
-
 def _row(row: Finalist, final: Final) -> dict[str, object]:
+    from ..api.sweeping import baseline_of
+
     low, high = row.to_fastest_ci
     chosen = row.subject.name == final.chosen
     return {
         "ns": round(row.times.ns),
-        f"of {_baseline(final.contest)}": f"{row.times.ratio:.4f}",
+        f"of {baseline_of(final.contest)}": f"{row.times.ratio:.4f}",
         "to fastest (95 %)": f"{row.to_fastest:.4f} ({low:.4f}-{high:.4f})",
         "error": None if row.max_rel_error is None else f"{row.max_rel_error:.1e}",
         "": "chosen" if chosen else "tie" if row.tie else "",
