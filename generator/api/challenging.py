@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -22,11 +23,13 @@ from ..evidence.verification.evidence import evidence_of
 from ..registry.names import name_of
 from ..registry.question import DEFAULT_IMPACT, find_impact
 from ..registry.variant import Variant
+from ..steppers.budgets import TIGHTEST
 from ..targets.target import find_target
 from .request import Request, kernel_named
 from .session import Session, resolve_target
 
 Extent = Literal["real", "scene"]
+_WITNESSED = 1000  # times the tightest budget: from there on its kernel tells errors apart
 MOST_EVALUATIONS = 2**62  # where the time alone ends a search
 _BUDGETS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-9)  # of `everything`
 
@@ -114,6 +117,7 @@ def challenge(
     with session.workbench(target=resolved, impact=wanted[0][0].question.row) as bench:
         for variant, batch in wanted:
             subject = _subject(bench, variant, batch, asked.extent)
+            subject = replace(subject, witness=_witness(bench, session, variant))
             found = search_all(subject, asked.limits(), asked.seed)
             told = document(variant, subject, asked.seed, host.cpu, found)
             yield Challenged(told["kernel"], subject, asked.seed, tuple(found), told)
@@ -133,6 +137,22 @@ def _named(kernel: str, session: Session) -> Variant:
     if variant.stepper.budget is None:
         raise InputError(f"{kernel}: has fixed steps and no error budget; name an exact kernel")
     return variant
+
+
+def _witness(bench: Workbench, session: Session, variant: Variant) -> Path | None:
+    """The kernel for the tightest budget, where that is far below the variant's."""
+    budget, asked = variant.stepper.budget, variant.question
+    if budget is None or budget < _WITNESSED * TIGHTEST:
+        return None
+    best = Request(
+        target=variant.target,
+        scene=asked.scene,
+        model=variant.model,
+        max_error=TIGHTEST,
+        impact=asked.row.name,
+    ).resolved()
+    exact = with_compiler_found(best.kernel(session), dict(bench.compilers))
+    return bench.built(exact, find_target(exact.target)).library.path
 
 
 def _subject(bench: Workbench, variant: Variant, batch: bool, extent: Extent) -> Subject:

@@ -25,7 +25,7 @@ _REST = 8  # generations without a gain of a fiftieth
 _MOST = 120  # generations
 _AGAIN = 0.3  # share of islands that begin close to a good one
 _KEPT = 12  # good ones
-_MUTANTS = 48  # of a parent, a round
+_MUTANTS = 192  # of a parent, a round: running back costs the less a case, the more there are
 Chart = Any  # of the impact that is searched
 Score = Callable[[Array], Array]  # cases -> what is to be as large as possible
 
