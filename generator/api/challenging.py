@@ -142,7 +142,8 @@ def _named(kernel: str, session: Session) -> Variant:
 def _witness(bench: Workbench, session: Session, variant: Variant) -> Path | None:
     """The kernel for the tightest budget, where that is far below the variant's."""
     budget, asked = variant.stepper.budget, variant.question
-    if budget is None or budget < _WITNESSED * TIGHTEST:
+    far = budget is not None and budget >= _WITNESSED * TIGHTEST
+    if not far or not search_of(asked.row).witness:
         return None
     best = Request(
         target=variant.target,
