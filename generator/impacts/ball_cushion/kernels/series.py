@@ -37,7 +37,7 @@ class Series:
 
     order: int
     parts: SeriesParts
-    share: float = 0.05  # terms of the last order, at most
+    share: float = 0.04  # terms of the last order, at most
     before_last: float = 3.0  # times it: terms of the order before
     most_gain: float = 100.0  # times more, where the ball moves along the cushion
     beyond: float = 1.3  # of the impulse that is left at the present rate
@@ -48,7 +48,7 @@ class Series:
     margin: float = 0.01  # of friction that a nose must have left to stick by a jump
     lag: float = 4.0  # how far a slip may lag behind its balance, by its square
     join: float = 3.0  # and in tolerances beyond
-    settled: float = 0.05  # what a pass may change in friction, in tolerances, to be the last
+    settled: float = 0.5  # what a pass may change in friction, in tolerances, to be the last
     passes: int = 6
     further: float = 1.5  # by which the search for the end of a slip goes on
     little: float = 0.01  # restitution squared below it needs the end of compression exactly
@@ -68,7 +68,7 @@ def series_for(budget: float, place_fma: bool) -> Series:
     series = Series(10, _parts(place_fma))
     if budget > 1e-5:
         return replace(series, order=6, near=0.14, share=0.03, jumps=1.0)
-    return replace(series, order=14, share=0.03) if budget < 1e-7 else series
+    return replace(series, order=14, share=0.01) if budget < 1e-7 else series
 
 
 def _parts(place_fma: bool) -> SeriesParts:
