@@ -169,7 +169,7 @@ _COARSE_ONE_A_PHASE = ByPhase(
     most_u_s=1.0,
 )
 
-BOTTOM_1E3 = Bound(4e-4, 4e-4, KUTTA_4, (_COARSE_WHOLE, _COARSE_ONE_A_PHASE), most_u_b=0.6)
+BOTTOM_1E3 = Bound(3e-4, 3e-4, KUTTA_4, (_COARSE_WHOLE, _COARSE_ONE_A_PHASE), most_u_b=0.6)
 
 _TOP_COARSE_WHOLE = Tier(
     steps=0,
@@ -201,8 +201,8 @@ _TOP_COARSE_ONE_A_PHASE = ByPhase(
 )
 
 TOP_1E3 = Bound(
-    4e-4,
-    4e-4,
+    3e-4,
+    3e-4,
     KUTTA_4,
     (_TOP_COARSE_WHOLE, _TOP_COARSE_ONE_A_PHASE),
     most_friction=0.1,
