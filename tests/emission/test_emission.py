@@ -98,6 +98,16 @@ def test_fma_is_where_the_axis_says(compiler: str, options: dict[str, str], tmp_
     assert found["fma"] >= 6
 
 
+def test_a_budget_is_promised_for_a_documented_range() -> None:
+    """The model's, as far as the scene goes; that a search looks at."""
+    text = emit(
+        variant_named("ball-ball/zen3/pool/pooltool-e1m06-x1 dp54 root=cubic fma=fma")
+    ).source
+    told = " ".join(line.removeprefix("// ") for line in text.splitlines() if line.startswith("//"))
+    print(told[told.index("Stepper:") :][:250])
+    assert "by design, u_b to 0.3 and u_s to 0.2; the largest error found by search" in told
+
+
 def test_generated_folder_is_complete() -> None:
     made = {path.relative_to(ROOT / "generated").parts[1:3] for path in GENERATED}
     wanted = ("zen3", "x86-64-v2", "x86-64-v3", "x86-64-v4")

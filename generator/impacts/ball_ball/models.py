@@ -10,11 +10,17 @@ from .terms import ContactTerms
 
 @dataclass(frozen=True)
 class ContactModel:
-    """A named preset of contact terms."""
+    """A named preset of contact terms.
+
+    `most`: the largest u_b and u_s that an error budget is promised for, and searched up to.
+    Beyond, friction on the table all but balances what drives the slip, or (`pooltool`) drives it
+    on without bound.
+    """
 
     name: str
     terms: ContactTerms
     text: str
+    most: tuple[tuple[str, float], ...]
 
 
 MODELS: tuple[ContactModel, ...] = (
@@ -22,16 +28,19 @@ MODELS: tuple[ContactModel, ...] = (
         "mathavan2014",
         ContactTerms("bottom", lift=True),
         "the paper as printed: slip at the ball's lowest point, the lifted ball's v_z counts",
+        most=(("u_b", 0.6), ("u_s", 1.0)),
     ),
     ContactModel(
         "bottom_slip",
         ContactTerms("bottom", lift=False),
         "pooltool with the sign of its table slip put right",
+        most=(("u_b", 0.6), ("u_s", 1.0)),
     ),
     ContactModel(
         "pooltool",
         ContactTerms("top", lift=False),
         "pooltool 0.6 and the report to the digit: table slip at the ball's highest point",
+        most=(("u_b", 0.3), ("u_s", 0.5)),
     ),
 )
 

@@ -8,7 +8,7 @@ from ....lowering.counts import OperationCounts
 from ....lowering.lanes import LaneContext
 from ....registry.variant import Variant
 from ....targets.target import Target
-from ..models import find_model
+from ..models import ContactModel, find_model
 from ..scene import Scene, find_scene
 from ..steppers.exact.context import ExactContext
 from ..steppers.exact.making import exact_context
@@ -23,7 +23,8 @@ def exact_parts(variant: Variant, target: Target) -> KernelParts:
     """Templates and numbers of an exact kernel. InputError where its scene has none."""
     scene = find_scene(variant.scene)
     scene.require_budget(variant.stepper.budget or 0.0)
-    exact = exact_context(variant, scene, find_model(variant.model).terms, target)
+    model = find_model(variant.model)
+    exact = exact_context(variant, scene, model.terms, target)
     refuse_lanes(variant)
     lanes = lanes_of(variant, target)
     counts = exact.level.after.counts + _CLOSED if scene.level else exact.counts
@@ -34,7 +35,7 @@ def exact_parts(variant: Variant, target: Target) -> KernelParts:
         core_template=_core(scene),
         batch_template=_batch(scene, tiers),
         counts=counts,
-        contract=_closed_contract(counts) if scene.level else _contract(exact, scene, lanes),
+        contract=_closed_contract(counts) if scene.level else _contract(exact, model, scene, lanes),
         shown={
             "x": exact,
             "single": exact,
@@ -72,7 +73,22 @@ def _closed_contract(counts: OperationCounts) -> tuple[str, ...]:
     )
 
 
-def _contract(exact: ExactContext, scene: Scene, lanes: LaneContext | None) -> tuple[str, ...]:
+def _promised(model: ContactModel, scene: Scene) -> str:
+    """Up to which frictions, where the scene leaves them open."""
+    keys = (("u_b", "u_b"), *((("u_s1", "u_s"),) if scene.table_friction else ()))
+    most = dict(model.most)
+    return " and ".join(
+        f"{name} to {min(most[name], _highest(scene, key)):g}" for key, name in keys
+    )
+
+
+def _highest(scene: Scene, key: str) -> float:
+    return scene.fixed[key] if key in scene.fixed else scene.range_of(key)[1]
+
+
+def _contract(
+    exact: ExactContext, model: ContactModel, scene: Scene, lanes: LaneContext | None
+) -> tuple[str, ...]:
     table = "" if scene.table_friction else " of the contact slip alone"
     batches = (
         "Batches: the steps in floats, whose rounding that bound includes; all that is before and "
@@ -80,9 +96,9 @@ def _contract(exact: ExactContext, scene: Scene, lanes: LaneContext | None) -> t
     )
     own = lanes is not None and lanes.floats and scene.precision != "float"
     return (
-        f"Stepper: adaptive {exact.tableau.name}, order {exact.tableau.order}{table}; error "
-        f"against the exact solution at most {exact.budget:g} of the relative speed |v1 - v2|, "
-        "each of v and R w, as far as verification has seen (docs/accuracy.md).",
+        f"Stepper: adaptive {exact.tableau.name}, order {exact.tableau.order}{table}; each of v "
+        f"and R w within {exact.budget:g} of the relative speed |v1 - v2| of the exact solution by "
+        f"design, {_promised(model, scene)}; the largest error found by search: docs/accuracy.md.",
         *((batches,) if own else ()),
         f"Operations a step: {exact.counts.describe()} ({exact.counts.flops} flops), without the "
         "control of its length and the roots' own.",

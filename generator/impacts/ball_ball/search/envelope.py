@@ -6,17 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ....evidence.challenge.place import Extent
+from ..models import find_model
 from ..scene import Scene
 
 _RADIUS = 0.03125  # m: a power of two, so that R w is exactly what it was made from
 _MASS = 0.170097
-# Up to where the promise is made, model by model: beyond, friction on the table all but balances
-# what drives the slip, or (`pooltool`) drives it on without bound.
-DOCUMENTED = {
-    "mathavan2014": {"u_b": 0.6, "u_s": 1.0},
-    "bottom_slip": {"u_b": 0.6, "u_s": 1.0},
-    "pooltool": {"u_b": 0.3, "u_s": 0.5},
-}
 _REAL = {"u_b": (0.0, 0.2), "u_s": (0.0, 0.5), "e_b": (0.5, 1.0)}
 REAL_SPEED, REAL_SPIN = 16.0, 20.0  # m/s: of v and of R w
 
@@ -42,11 +36,13 @@ class Envelope:
 def envelope(scene: Scene, model: str, extent: Extent) -> Envelope:
     """The scene's ranges as far as the model's promise goes, cut down to real use if asked."""
 
+    promised = dict(find_model(model).most)
+
     def bounds(key: str, name: str) -> tuple[float, float]:
         if key in scene.fixed:
             return scene.fixed[key], scene.fixed[key]
         low, high = scene.range_of(key)
-        high = max(low, min(high, DOCUMENTED[model].get(name, high)))
+        high = max(low, min(high, promised.get(name, high)))
         if extent == "real":
             least, most = _REAL[name]
             low, high = min(max(low, least), high), max(min(high, most), low)
