@@ -89,6 +89,7 @@ _TOP_WHOLE = Tier(
 )
 _TOP_ONE_A_PHASE = ByPhase(
     steps=1,
+    most_friction=0.03,
     first=(
         Term(0.0491, reach=2, turning=True),
         Term(0.00133, reach=2),
@@ -108,6 +109,7 @@ _TOP_ONE_A_PHASE = ByPhase(
 )
 _TOP_TWO_A_PHASE = ByPhase(
     steps=2,
+    most_friction=0.03,
     first=(
         Term(0.00107, reach=2, turning=True),
         Term(1.98, reach=6, turning=True),
@@ -128,11 +130,11 @@ _TOP_TWO_A_PHASE = ByPhase(
 )
 
 TOP_1E6 = Bound(
-    2e-7,
-    3.5e-7,
+    1e-7,
+    1e-7,
     BUTCHER_6,
     (_TOP_WHOLE, _TOP_ONE_A_PHASE, _TOP_TWO_A_PHASE),
-    most_friction=0.06,
+    most_friction=0.03,
     most_u_b=0.25,
     most_u_s=0.6,
 )
