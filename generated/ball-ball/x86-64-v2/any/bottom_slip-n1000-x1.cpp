@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/bottom_slip-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage
-// inputs:   sha256 3427701b9f712757
+// inputs:   sha256 10cf4b935d84b79d
 // chosen:   modelled by llvm-mca for nehalem, 45 kernels
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -156,7 +156,7 @@ constexpr double kNoSlip = 1e-16;      // m/s: below, contact slip counts as zer
 // The work at which the loop ends, before compression has: constants, since a function that is not
 // inlined would be shared between units.
 constexpr double kNever = std::numeric_limits<double>::infinity();
-[[maybe_unused]] constexpr double kLargest = 0x1.fffffffffffffp1023;
+constexpr double kLargest = 0x1.fffffffffffffp1023;
 
 // A collision takes about 3/2 N steps at most; a loop that takes 8 N is stuck and ends.
 constexpr std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }

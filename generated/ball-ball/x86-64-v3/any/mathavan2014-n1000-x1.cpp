@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v3/any/mathavan2014-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage
-// inputs:   sha256 9a8f8c9bf786308e
+// inputs:   sha256 e04104512d3415e8
 // chosen:   modelled by llvm-mca for haswell, 45 kernels
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -157,7 +157,7 @@ constexpr double kNoSlip = 1e-16;      // m/s: below, contact slip counts as zer
 // The work at which the loop ends, before compression has: constants, since a function that is not
 // inlined would be shared between units.
 constexpr double kNever = std::numeric_limits<double>::infinity();
-[[maybe_unused]] constexpr double kLargest = 0x1.fffffffffffffp1023;
+constexpr double kLargest = 0x1.fffffffffffffp1023;
 
 // A collision takes about 3/2 N steps at most; a loop that takes 8 N is stuck and ends.
 constexpr std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/zen3/any/bottom_slip-n1000-x4 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
-// inputs:   sha256 206cd94a2958caca
+// inputs:   sha256 2a20647fb24a66ea
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29, 9 records of ball-ball/any/mathavan2014-n1000-batch, as none of these kernels; largest error under the worst root estimates 5.74e-06
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -191,7 +191,7 @@ constexpr double kNoSlip = 1e-16;      // m/s: below, contact slip counts as zer
 // The work at which the loop ends, before compression has: constants, since a function that is not
 // inlined would be shared between units.
 constexpr double kNever = std::numeric_limits<double>::infinity();
-[[maybe_unused]] constexpr double kLargest = 0x1.fffffffffffffp1023;
+constexpr double kLargest = 0x1.fffffffffffffp1023;
 
 // A collision takes about 3/2 N steps at most; a loop that takes 8 N is stuck and ends.
 constexpr std::int64_t step_limit(int steps) { return 8 * static_cast<std::int64_t>(steps) + 16; }
@@ -725,40 +725,35 @@ typedef std::int64_t Mask __attribute__((vector_size(32)));
 typedef std::uint64_t Bits __attribute__((vector_size(32)));
 constexpr int kLanes = 4;
 
-[[maybe_unused]] CAROM_INLINE Real lane_numbers() { return Real{0.0, 1.0, 2.0, 3.0}; }
+CAROM_INLINE Real lane_numbers() { return Real{0.0, 1.0, 2.0, 3.0}; }
 
-[[maybe_unused]] CAROM_INLINE Real real(double x) { return _mm256_set1_pd(static_cast<Number>(x)); }
-[[maybe_unused]] CAROM_INLINE Real load(const Number* from) { return _mm256_loadu_pd(from); }
-[[maybe_unused]] CAROM_INLINE void store(Number* to, Real x) { _mm256_storeu_pd(to, x); }
-[[maybe_unused]] CAROM_INLINE void store_where(Number* to, Mask m, Real x) {
-  _mm256_maskstore_pd(to, reinterpret_cast<__m256i>(m), x);
-}
-[[maybe_unused]] CAROM_INLINE Real fma(Real a, Real b, Real c) { return _mm256_fmadd_pd(a, b, c); }
-[[maybe_unused]] CAROM_INLINE Real sqrt(Real x) { return _mm256_sqrt_pd(x); }
-[[maybe_unused]] CAROM_INLINE Real smaller(Real a, Real b) { return _mm256_min_pd(a, b); }
-[[maybe_unused]] CAROM_INLINE Real larger(Real a, Real b) { return _mm256_max_pd(a, b); }
-[[maybe_unused]] CAROM_INLINE Real rsqrt_estimate(Real x) {
+CAROM_INLINE Real real(double x) { return _mm256_set1_pd(static_cast<Number>(x)); }
+CAROM_INLINE Real load(const Number* from) { return _mm256_loadu_pd(from); }
+CAROM_INLINE void store(Number* to, Real x) { _mm256_storeu_pd(to, x); }
+CAROM_INLINE Real fma(Real a, Real b, Real c) { return _mm256_fmadd_pd(a, b, c); }
+CAROM_INLINE Real sqrt(Real x) { return _mm256_sqrt_pd(x); }
+CAROM_INLINE Real smaller(Real a, Real b) { return _mm256_min_pd(a, b); }
+CAROM_INLINE Real larger(Real a, Real b) { return _mm256_max_pd(a, b); }
+CAROM_INLINE Real rsqrt_estimate(Real x) {
   return _mm256_cvtps_pd(_mm_rsqrt_ps(_mm256_cvtpd_ps(x)));
 }
-[[maybe_unused]] CAROM_INLINE Mask lt(Real a, Real b) { return a < b; }
-[[maybe_unused]] CAROM_INLINE Mask le(Real a, Real b) { return a <= b; }
-[[maybe_unused]] CAROM_INLINE Mask gt(Real a, Real b) { return a > b; }
-[[maybe_unused]] CAROM_INLINE Mask ge(Real a, Real b) { return a >= b; }
-[[maybe_unused]] CAROM_INLINE Mask eq(Real a, Real b) { return a == b; }
-[[maybe_unused]] CAROM_INLINE Mask both(Mask a, Mask b) { return a & b; }
-[[maybe_unused]] CAROM_INLINE Mask either(Mask a, Mask b) { return a | b; }
-[[maybe_unused]] CAROM_INLINE Mask inverse(Mask a) { return ~a; }
-[[maybe_unused]] CAROM_INLINE Mask but_not(Mask a, Mask b) { return a & ~b; }
-[[maybe_unused]] CAROM_INLINE Mask mask_of(bool value) {
-  return Mask{} - static_cast<std::int64_t>(value);
-}
-[[maybe_unused]] CAROM_INLINE Real where(Mask m, Real x) {
+CAROM_INLINE Mask lt(Real a, Real b) { return a < b; }
+CAROM_INLINE Mask le(Real a, Real b) { return a <= b; }
+CAROM_INLINE Mask gt(Real a, Real b) { return a > b; }
+CAROM_INLINE Mask ge(Real a, Real b) { return a >= b; }
+CAROM_INLINE Mask eq(Real a, Real b) { return a == b; }
+CAROM_INLINE Mask both(Mask a, Mask b) { return a & b; }
+CAROM_INLINE Mask either(Mask a, Mask b) { return a | b; }
+CAROM_INLINE Mask inverse(Mask a) { return ~a; }
+CAROM_INLINE Mask but_not(Mask a, Mask b) { return a & ~b; }
+CAROM_INLINE Mask mask_of(bool value) { return Mask{} - static_cast<std::int64_t>(value); }
+CAROM_INLINE Real where(Mask m, Real x) {
   return reinterpret_cast<Real>(m & reinterpret_cast<Mask>(x));
 }
-[[maybe_unused]] CAROM_INLINE Real select(Mask m, Real yes, Real no) {
+CAROM_INLINE Real select(Mask m, Real yes, Real no) {
   return _mm256_blendv_pd(no, yes, reinterpret_cast<Real>(m));
 }
-[[maybe_unused]] CAROM_INLINE unsigned mask_bits(Mask m) {
+CAROM_INLINE unsigned mask_bits(Mask m) {
   return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<Real>(m)));
 }
 // For each mask the halves of lanes, those of the mask first.
@@ -769,57 +764,30 @@ constexpr std::int32_t kCompressed[16][8] = {
     {0, 1, 6, 7, 2, 3, 4, 5}, {2, 3, 6, 7, 0, 1, 4, 5}, {0, 1, 2, 3, 6, 7, 4, 5},
     {4, 5, 6, 7, 0, 1, 2, 3}, {0, 1, 4, 5, 6, 7, 2, 3}, {2, 3, 4, 5, 6, 7, 0, 1},
     {0, 1, 2, 3, 4, 5, 6, 7}};
-[[maybe_unused]] CAROM_INLINE Real compress(Real x, Mask m) {
+CAROM_INLINE Real compress(Real x, Mask m) {
   const __m256i order =
       _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kCompressed[mask_bits(m)]));
   return reinterpret_cast<Real>(_mm256_permutevar8x32_epi32(reinterpret_cast<__m256i>(x), order));
 }
-[[maybe_unused]] CAROM_INLINE Bits low_product(Bits a, int n) {
-  return reinterpret_cast<Bits>(
-      _mm256_mul_epu32(reinterpret_cast<__m256i>(a), _mm256_set1_epi64x(n)));
-}
-[[maybe_unused]] CAROM_INLINE Bits bits_of(Real x) { return reinterpret_cast<Bits>(x); }
-[[maybe_unused]] CAROM_INLINE Real from_bits(Bits x) { return reinterpret_cast<Real>(x); }
-[[maybe_unused]] CAROM_INLINE Bits all_bits(std::uint64_t x) { return Bits{} + x; }
+CAROM_INLINE Bits bits_of(Real x) { return reinterpret_cast<Bits>(x); }
+CAROM_INLINE Real from_bits(Bits x) { return reinterpret_cast<Real>(x); }
+CAROM_INLINE Bits all_bits(std::uint64_t x) { return Bits{} + x; }
 
 constexpr std::uint64_t kSignBit = 0x8000000000000000u;
 
-[[maybe_unused]] CAROM_INLINE Real absolute(Real x) {
-  return from_bits(bits_of(x) & all_bits(~kSignBit));
-}
-[[maybe_unused]] CAROM_INLINE Real copysign(Real x, Real sign) {
+CAROM_INLINE Real absolute(Real x) { return from_bits(bits_of(x) & all_bits(~kSignBit)); }
+CAROM_INLINE Real copysign(Real x, Real sign) {
   const Bits mask = all_bits(kSignBit);
   return from_bits((bits_of(x) & ~mask) | (bits_of(sign) & mask));
 }
-[[maybe_unused]] CAROM_INLINE Number lane(Real x, int i) { return x[i]; }
-[[maybe_unused]] CAROM_INLINE Real set_lane(Real x, int i, Number value) {
-  x[i] = value;
-  return x;
-}
-[[maybe_unused]] CAROM_INLINE Mask first_lanes(int n) { return gt(real(n), lane_numbers()); }
-[[maybe_unused]] CAROM_INLINE bool any(Mask m) { return mask_bits(m) != 0; }
-[[maybe_unused]] CAROM_INLINE bool none(Mask m) { return mask_bits(m) == 0; }
-[[maybe_unused]] CAROM_INLINE bool all(Mask m) { return mask_bits(m) == (1u << kLanes) - 1; }
-[[maybe_unused]] CAROM_INLINE int count(Mask m) { return __builtin_popcount(mask_bits(m)); }
+CAROM_INLINE Mask first_lanes(int n) { return gt(real(n), lane_numbers()); }
+CAROM_INLINE bool any(Mask m) { return mask_bits(m) != 0; }
+CAROM_INLINE int count(Mask m) { return __builtin_popcount(mask_bits(m)); }
 
-// x^(n/64) to 7 %, x > 0: the exponent is scaled in the upper half of the bits.
-[[maybe_unused]] CAROM_INLINE Real power(Real x, int n) {
-  const std::uint64_t rest =
-      static_cast<std::uint64_t>((64 - n) / 64.0 * 1023.0 * 4503599627370496.0);
-  return from_bits((low_product(bits_of(x) >> 32, n) << 26) + all_bits(rest));
-}
-// The power of two at most x and more than x / 2; x is positive and not denormal.
-[[maybe_unused]] CAROM_INLINE Real power_of_two(Real x) {
-  return from_bits(bits_of(x) & all_bits(0x7ff0000000000000u));
-}
-// 1 / x for a power of two.
-[[maybe_unused]] CAROM_INLINE Real inverse_of_power(Real x) {
-  return from_bits(all_bits(0x7fe0000000000000u) - bits_of(x));
-}
 // The lanes of m from `to` on; up to kLanes numbers behind them are overwritten.
-[[maybe_unused]] CAROM_INLINE void append(Number* to, Real x, Mask m) { store(to, compress(x, m)); }
+CAROM_INLINE void append(Number* to, Real x, Mask m) { store(to, compress(x, m)); }
 // Neither infinite nor no number, by its bits: no compiler flag can remove that.
-[[maybe_unused]] CAROM_INLINE Mask finite(Real x) {
+CAROM_INLINE Mask finite(Real x) {
   const Bits low = (bits_of(x) & all_bits(~kSignBit)) + all_bits(0x0010000000000000u);
   return gt(copysign(real(1.0), from_bits(low)), real(0.0));
 }
@@ -831,165 +799,135 @@ constexpr std::uint64_t kSignBit = 0x8000000000000000u;
 typedef vector::Number Number;
 struct Real {
   vector::Real v0, v1, v2;
+
+  friend CAROM_INLINE Real operator+(Real a, Real b) {
+    return {a.v0 + b.v0, a.v1 + b.v1, a.v2 + b.v2};
+  }
+  friend CAROM_INLINE Real operator-(Real a, Real b) {
+    return {a.v0 - b.v0, a.v1 - b.v1, a.v2 - b.v2};
+  }
+  friend CAROM_INLINE Real operator*(Real a, Real b) {
+    return {a.v0 * b.v0, a.v1 * b.v1, a.v2 * b.v2};
+  }
+  friend CAROM_INLINE Real operator/(Real a, Real b) {
+    return {a.v0 / b.v0, a.v1 / b.v1, a.v2 / b.v2};
+  }
+  friend CAROM_INLINE Real operator-(Real a) { return {-a.v0, -a.v1, -a.v2}; }
 };
 struct Mask {
   vector::Mask v0, v1, v2;
 };
 constexpr int kLanes = 3 * vector::kLanes;
 
-[[maybe_unused]] CAROM_INLINE Real operator+(Real a, Real b) {
-  return {a.v0 + b.v0, a.v1 + b.v1, a.v2 + b.v2};
-}
-[[maybe_unused]] CAROM_INLINE Real operator-(Real a, Real b) {
-  return {a.v0 - b.v0, a.v1 - b.v1, a.v2 - b.v2};
-}
-[[maybe_unused]] CAROM_INLINE Real operator*(Real a, Real b) {
-  return {a.v0 * b.v0, a.v1 * b.v1, a.v2 * b.v2};
-}
-[[maybe_unused]] CAROM_INLINE Real operator/(Real a, Real b) {
-  return {a.v0 / b.v0, a.v1 / b.v1, a.v2 / b.v2};
-}
-[[maybe_unused]] CAROM_INLINE Real operator-(Real a) { return {-a.v0, -a.v1, -a.v2}; }
-[[maybe_unused]] CAROM_INLINE Real sqrt(Real x) {
+CAROM_INLINE Real sqrt(Real x) {
   return {vector::sqrt(x.v0), vector::sqrt(x.v1), vector::sqrt(x.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Real absolute(Real x) {
+CAROM_INLINE Real absolute(Real x) {
   return {vector::absolute(x.v0), vector::absolute(x.v1), vector::absolute(x.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Real rsqrt_estimate(Real x) {
+CAROM_INLINE Real rsqrt_estimate(Real x) {
   return {vector::rsqrt_estimate(x.v0), vector::rsqrt_estimate(x.v1), vector::rsqrt_estimate(x.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Real power_of_two(Real x) {
-  return {vector::power_of_two(x.v0), vector::power_of_two(x.v1), vector::power_of_two(x.v2)};
-}
-[[maybe_unused]] CAROM_INLINE Real inverse_of_power(Real x) {
-  return {vector::inverse_of_power(x.v0), vector::inverse_of_power(x.v1),
-          vector::inverse_of_power(x.v2)};
-}
-[[maybe_unused]] CAROM_INLINE Real smaller(Real a, Real b) {
+CAROM_INLINE Real smaller(Real a, Real b) {
   return {vector::smaller(a.v0, b.v0), vector::smaller(a.v1, b.v1), vector::smaller(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Real larger(Real a, Real b) {
+CAROM_INLINE Real larger(Real a, Real b) {
   return {vector::larger(a.v0, b.v0), vector::larger(a.v1, b.v1), vector::larger(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Real copysign(Real a, Real b) {
+CAROM_INLINE Real copysign(Real a, Real b) {
   return {vector::copysign(a.v0, b.v0), vector::copysign(a.v1, b.v1), vector::copysign(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Real fma(Real a, Real b, Real c) {
+CAROM_INLINE Real fma(Real a, Real b, Real c) {
   return {vector::fma(a.v0, b.v0, c.v0), vector::fma(a.v1, b.v1, c.v1),
           vector::fma(a.v2, b.v2, c.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Real power(Real x, int n) {
-  return {vector::power(x.v0, n), vector::power(x.v1, n), vector::power(x.v2, n)};
-}
-[[maybe_unused]] CAROM_INLINE Mask lt(Real a, Real b) {
+CAROM_INLINE Mask lt(Real a, Real b) {
   return {vector::lt(a.v0, b.v0), vector::lt(a.v1, b.v1), vector::lt(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Mask le(Real a, Real b) {
+CAROM_INLINE Mask le(Real a, Real b) {
   return {vector::le(a.v0, b.v0), vector::le(a.v1, b.v1), vector::le(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Mask gt(Real a, Real b) {
+CAROM_INLINE Mask gt(Real a, Real b) {
   return {vector::gt(a.v0, b.v0), vector::gt(a.v1, b.v1), vector::gt(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Mask ge(Real a, Real b) {
+CAROM_INLINE Mask ge(Real a, Real b) {
   return {vector::ge(a.v0, b.v0), vector::ge(a.v1, b.v1), vector::ge(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Mask eq(Real a, Real b) {
+CAROM_INLINE Mask eq(Real a, Real b) {
   return {vector::eq(a.v0, b.v0), vector::eq(a.v1, b.v1), vector::eq(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Mask both(Mask a, Mask b) {
+CAROM_INLINE Mask both(Mask a, Mask b) {
   return {vector::both(a.v0, b.v0), vector::both(a.v1, b.v1), vector::both(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Mask either(Mask a, Mask b) {
+CAROM_INLINE Mask either(Mask a, Mask b) {
   return {vector::either(a.v0, b.v0), vector::either(a.v1, b.v1), vector::either(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Mask but_not(Mask a, Mask b) {
+CAROM_INLINE Mask but_not(Mask a, Mask b) {
   return {vector::but_not(a.v0, b.v0), vector::but_not(a.v1, b.v1), vector::but_not(a.v2, b.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Mask inverse(Mask a) {
+CAROM_INLINE Mask inverse(Mask a) {
   return {vector::inverse(a.v0), vector::inverse(a.v1), vector::inverse(a.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Real where(Mask m, Real x) {
+CAROM_INLINE Real where(Mask m, Real x) {
   return {vector::where(m.v0, x.v0), vector::where(m.v1, x.v1), vector::where(m.v2, x.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Real select(Mask m, Real yes, Real no) {
+CAROM_INLINE Real select(Mask m, Real yes, Real no) {
   return {vector::select(m.v0, yes.v0, no.v0), vector::select(m.v1, yes.v1, no.v1),
           vector::select(m.v2, yes.v2, no.v2)};
 }
-[[maybe_unused]] CAROM_INLINE Mask mask_of(bool value) {
+CAROM_INLINE Mask mask_of(bool value) {
   return {vector::mask_of(value), vector::mask_of(value), vector::mask_of(value)};
 }
-[[maybe_unused]] CAROM_INLINE Mask first_lanes(int n) {
+CAROM_INLINE Mask first_lanes(int n) {
   return {vector::first_lanes(n - 0 * vector::kLanes), vector::first_lanes(n - 1 * vector::kLanes),
           vector::first_lanes(n - 2 * vector::kLanes)};
 }
-[[maybe_unused]] CAROM_INLINE unsigned mask_bits(Mask m) {
+CAROM_INLINE unsigned mask_bits(Mask m) {
   return vector::mask_bits(m.v0) << 0 * vector::kLanes |
          vector::mask_bits(m.v1) << 1 * vector::kLanes |
          vector::mask_bits(m.v2) << 2 * vector::kLanes;
 }
-[[maybe_unused]] CAROM_INLINE bool any(Mask m) {
+CAROM_INLINE bool any(Mask m) {
   return vector::any(vector::either(vector::either(m.v0, m.v1), m.v2));
 }
-[[maybe_unused]] CAROM_INLINE bool all(Mask m) {
-  return vector::all(vector::both(vector::both(m.v0, m.v1), m.v2));
-}
-[[maybe_unused]] CAROM_INLINE bool none(Mask m) { return !any(m); }
-[[maybe_unused]] CAROM_INLINE Real real(double x) {
-  return {vector::real(x), vector::real(x), vector::real(x)};
-}
-[[maybe_unused]] CAROM_INLINE Real lane_numbers() {
+CAROM_INLINE bool none(Mask m) { return !any(m); }
+CAROM_INLINE Real real(double x) { return {vector::real(x), vector::real(x), vector::real(x)}; }
+CAROM_INLINE Real lane_numbers() {
   return {vector::lane_numbers() + vector::real(0 * vector::kLanes),
           vector::lane_numbers() + vector::real(1 * vector::kLanes),
           vector::lane_numbers() + vector::real(2 * vector::kLanes)};
 }
-[[maybe_unused]] CAROM_INLINE Real load(const Number* from) {
+CAROM_INLINE Real load(const Number* from) {
   return {vector::load(from + 0 * vector::kLanes), vector::load(from + 1 * vector::kLanes),
           vector::load(from + 2 * vector::kLanes)};
 }
-[[maybe_unused]] CAROM_INLINE void store(Number* to, Real x) {
+CAROM_INLINE void store(Number* to, Real x) {
   vector::store(to + 0 * vector::kLanes, x.v0);
   vector::store(to + 1 * vector::kLanes, x.v1);
   vector::store(to + 2 * vector::kLanes, x.v2);
 }
-[[maybe_unused]] CAROM_INLINE void store_where(Number* to, Mask m, Real x) {
-  vector::store_where(to + 0 * vector::kLanes, m.v0, x.v0);
-  vector::store_where(to + 1 * vector::kLanes, m.v1, x.v1);
-  vector::store_where(to + 2 * vector::kLanes, m.v2, x.v2);
-}
-[[maybe_unused]] CAROM_INLINE Number lane(Real x, int i) {
+CAROM_INLINE Number lane(Real x, int i) {
   Number each[kLanes];
   store(each, x);
   return each[i];
 }
-[[maybe_unused]] CAROM_INLINE Real set_lane(Real x, int i, Number value) {
+CAROM_INLINE Real set_lane(Real x, int i, Number value) {
   Number each[kLanes];
   store(each, x);
   each[i] = value;
   return load(each);
 }
-[[maybe_unused]] CAROM_INLINE int count(Mask m) {
+CAROM_INLINE int count(Mask m) {
   return vector::count(m.v0) + vector::count(m.v1) + vector::count(m.v2);
 }
-[[maybe_unused]] CAROM_INLINE Real compress(Real x, Mask m) {
-  Number each[kLanes];
-  store(each, x);
-  int n = 0;
-  vector::store(each + n, vector::compress(x.v0, m.v0));
-  n += vector::count(m.v0);
-  vector::store(each + n, vector::compress(x.v1, m.v1));
-  n += vector::count(m.v1);
-  vector::store(each + n, vector::compress(x.v2, m.v2));
-  return load(each);
-}
-[[maybe_unused]] CAROM_INLINE void append(Number* to, Real x, Mask m) {
+CAROM_INLINE void append(Number* to, Real x, Mask m) {
   vector::append(to, x.v0, m.v0);
   to += vector::count(m.v0);
   vector::append(to, x.v1, m.v1);
   to += vector::count(m.v1);
   vector::append(to, x.v2, m.v2);
 }
-[[maybe_unused]] CAROM_INLINE Mask finite(Real x) {
+CAROM_INLINE Mask finite(Real x) {
   return {vector::finite(x.v0), vector::finite(x.v1), vector::finite(x.v2)};
 }
 
