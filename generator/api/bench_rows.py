@@ -124,11 +124,9 @@ def bench_rows(
         for cases in tools.cases.sets:
             bench = _Bench(tools, target, seconds / len(tools.cases.sets), cases)
             found = bench.rows(kernels, tools.cases.timed(scene, model, True, cases))
-            rows += found.kernels
+            told = {row.candidate.name for row in rows if isinstance(row.candidate, Rejected)}
+            rows += [row for row in found.kernels if row.candidate.name not in told]
             closed += found.closed_forms
-            kernels = [k for k in kernels if not isinstance(k, Rejected)]  # told of once
-            if not kernels:
-                break
     return Rows(tuple(rows), tuple(closed))
 
 

@@ -143,7 +143,8 @@ def _witness(bench: Workbench, session: Session, variant: Variant) -> Path | Non
     """The kernel for the tightest budget, where that is far below the variant's."""
     budget, asked = variant.stepper.budget, variant.question
     far = budget is not None and budget >= _WITNESSED * TIGHTEST
-    if not far or not search_of(asked.row).witness:
+    carries = asked.known_scene.precision != "float"  # floats carry no kernel as tight
+    if not (far and carries and search_of(asked.row).witness):
         return None
     best = Request(
         target=variant.target,

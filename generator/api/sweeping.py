@@ -165,7 +165,8 @@ def _begun(
     only = parse_only(asked.only)
     contests = tuple(c for c in contests if not c.batches or _has_lanes(c, target))
     if not contests:
-        raise InputError(f"--call {asked.call}: {scene.without_exact_lanes}; expected scalar")
+        why = scene.without_exact_lanes or f"nothing that is asked for has lanes on {target.name}"
+        raise InputError(f"--call {asked.call}: {why}; expected scalar")
     with _lab(asked, target, session) as lab:
         plan = Plan(
             target=target,

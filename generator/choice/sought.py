@@ -58,7 +58,7 @@ def choose_sought(bench: Workbench, kernels: Entries, choose: Choose) -> tuple[E
 
     What does not is rejected and the next is chosen, which meets the cases found so far first: what
     they show costs no search. Only where none that may be chosen holds, or `SEARCHES` have
-    found none, the one that is least over stands, and says so.
+    found none, the one that is least over of those searched stands, and says so.
     """
     over: list[tuple[float, Choice]] = []
     known: list[Array] = []
@@ -77,8 +77,9 @@ def choose_sought(bench: Workbench, kernels: Entries, choose: Choose) -> tuple[E
         choice = replace(choice, sought=found.told() + case)
         if found.held:
             return left, choice
-        searches += not found.known
-        over.append((float("inf") if found.over is None else found.over, choice))
+        if not found.known:  # a known case says nothing of how far over a kernel may be
+            searches += 1
+            over.append((float("inf") if found.over is None else found.over, choice))
         known.append(np.array(found.case.split(",")[2:], dtype=np.float64))
         left = _with(left, Rejected(choice.chosen, "search", f"search: {found.told()}"))
     _, least = min(over, key=lambda each: each[0])

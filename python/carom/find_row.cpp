@@ -72,7 +72,11 @@ const AnyRow& found_in(const Table<AnyRow>& table, const Request& request) {
   }
   if (best != nullptr) return *best;
   if (!model_known) {
-    refuse_name("model", request.model, listed(table, [](const AnyRow& r) { return r.model; }));
+    const std::string models = listed(table, [](const AnyRow& r) { return r.model; });
+    if (models.empty()) {
+      refuse_value("model '" + request.model + "': this module was built without such kernels");
+    }
+    refuse_name("model", request.model, models);
   }
   const std::string targets = listed(table, [](const AnyRow& r) { return r.target; });
   if (!target_known) refuse_name("target", *request.target, targets);

@@ -50,10 +50,16 @@ def test_batches_of_any_layout_are_what_calls_give() -> None:
         assert out.shape == (6, 200) and status.tolist() == [int(s) for _, s in calls]
         turned, _ = kernel.collide_batch(p, rows)
         balls, marks = kernel.collide_batch(p, rows[:, :6].reshape(-1, 2, 3), rows[:, 6:])
-        for got in (out.T, turned, balls.reshape(-1, 6)):
-            assert np.abs(got - want).max() <= 1e-5 * np.abs(want).max()
+        # Calls and batches are two units of one text, which a compiler may round differently; a
+        # step of the scheme may then be one more or less.
+        speed = np.linalg.norm(rows[:, :3], axis=1)
+        off = (np.abs(out.T - want)[:, :3].max(axis=1) / speed).max()
+        print(f"{kernel.name}: velocities of batch and calls differ by {off:.1e} of the speed")
+        assert off <= 2e-6
         assert (turned == out.T).all() and (balls.reshape(-1, 6) == turned).all()
         assert (marks == status).all()
+        alone = np.hstack([kernel.collide_batch(p, rows[n : n + 1].T)[0] for n in range(50)])
+        assert (alone == out[:, :50]).all()
 
 
 def test_a_batch_takes_a_friction_for_each_and_places_for_results() -> None:

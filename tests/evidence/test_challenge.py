@@ -188,9 +188,14 @@ class FakeVerifier:
         return kernel
 
 
-def choosing(monkeypatch: pytest.MonkeyPatch, held: dict[str, bool]) -> Choice:
-    """The choice among candidates of which a search says what `held` does."""
-    candidates = [FakeCandidate(name) for name in held]
+def said(over: float, known: bool = False) -> sought.Sought:
+    case = csv_row("x", flawed(0.5)[0])
+    return sought.Sought(100, 1, over, over <= 1, case, known=known)
+
+
+def choosing(monkeypatch: pytest.MonkeyPatch, told: dict[str, sought.Sought]) -> Choice:
+    """The choice among candidates of which a search says what `told` does."""
+    candidates = [FakeCandidate(name) for name in told]
 
     def choose(kernels: sought.Entries) -> tuple[sought.Entries, Choice]:
         left = [c for c in kernels if not isinstance(c, Rejected)]
@@ -199,35 +204,48 @@ def choosing(monkeypatch: pytest.MonkeyPatch, held: dict[str, bool]) -> Choice:
         return kernels, Choice(left[0], (), "default", "", "")
 
     def found(_bench: object, candidate: FakeCandidate, _known: object) -> sought.Sought:
-        holds = held[candidate.name]
-        return sought.Sought(100, 1, 0.5 if holds else 7.0, holds, csv_row("x", flawed(0.5)[0]))
+        return told[candidate.name]
 
     monkeypatch.setattr(sought, "sought", found)
     bench = SimpleNamespace(verifier=FakeVerifier())
     kernels, choice = sought.choose_sought(bench, candidates, choose)  # type: ignore[arg-type]
     assert any(kernel is choice.chosen for kernel in kernels)
+    print(f"chosen: {choice.chosen.name}")
     return choice
 
 
 def test_kernel_that_the_search_breaks_is_not_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
-    choice = choosing(monkeypatch, {"fast": False, "slower": True})
+    choice = choosing(monkeypatch, {"fast": said(7.0), "slower": said(0.5)})
     assert choice.chosen.name == "slower"
     assert choice.sought == "0.5 of the budget, 100 evaluations, seed 1"
 
 
 def test_search_goes_on_until_a_kernel_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     """The fourth of four: the main job once chose the first of three that were over."""
-    held = {"fast": False, "slower": False, "slow": False, "doubles": True}
-    choice = choosing(monkeypatch, held)
-    print(f"chosen: {choice.chosen.name}")
-    assert choice.chosen.name == "doubles"
+    told = {"fast": said(7.0), "slower": said(3.0), "slow": said(2.0), "doubles": said(0.5)}
+    assert choosing(monkeypatch, told).chosen.name == "doubles"
 
 
-def test_where_none_holds_the_first_stands_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    choice = choosing(monkeypatch, {"fast": False, "slower": False})
-    assert choice.chosen.name == "fast"
+def test_known_cases_cost_no_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    many = {f"known {n}": said(7.0, known=True) for n in range(3 * sought.SEARCHES)}
+    told = {"fast": said(7.0), **many, "doubles": said(0.5)}
+    assert choosing(monkeypatch, told).chosen.name == "doubles"
+
+
+def test_a_choice_takes_so_many_searches_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    over = {f"over {n}": said(9.0 - n / 10) for n in range(sought.SEARCHES)}
+    choice = choosing(monkeypatch, {**over, "never asked": said(0.5)})
+    assert choice.chosen.name == f"over {sought.SEARCHES - 1}"
+
+
+def test_where_none_holds_the_least_over_of_those_searched_stands(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told = {"fast": said(3.0), "less": said(1.5), "known": said(1.01, known=True)}
+    choice = choosing(monkeypatch, told)
+    assert choice.chosen.name == "less"
     assert choice.sought is not None
-    assert choice.sought.startswith("OVER: 7 of the budget")
+    assert choice.sought.startswith("OVER: 1.5 of the budget")
     assert "; case 0,x," in choice.sought
 
 

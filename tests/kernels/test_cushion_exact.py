@@ -109,6 +109,19 @@ def test_without_friction_the_speed_into_the_cushion_turns_round_and_all_else_st
     assert one(row) == pytest.approx([1.0, -1.4, 0, 30.0, -20.0, 10.0], abs=1e-14)
 
 
+@pytest.mark.parametrize("budget", BUDGETS)
+@pytest.mark.parametrize("friction", [5e-324, 1e-200, 1e-155, 1e-101, 1e-99, 1e-30])
+def test_next_to_no_friction_is_as_good_as_none(friction: float, budget: float) -> None:
+    for place in (2, 3):  # of u_s, which only a roll meets, and of u_w
+        little, none = list(POOL), list(POOL)
+        little[place], none[place] = friction, 0.0
+        for spin in (0.0, 1.0):
+            found = one(straight(tuple(little), VY, spin), budget=budget)
+            off = np.abs(found - one(straight(tuple(none), VY, spin), budget=budget))
+            print(f"{friction:.0e}: {off[:3].max() / VY:.1e} of the speed")
+            assert off[:3].max() <= 2 * budget * VY
+
+
 def test_a_level_nose_and_no_draw_have_a_closed_form() -> None:
     """h = R, w_x = 0: friction along x alone, until the slip ends."""
     radius, u_w, e = 0.03, 0.2, 0.8

@@ -108,7 +108,9 @@ def test_no_template_has_numbers_or_arithmetic_but_those_that_are_left() -> None
             if lines := list(_counted(path.read_text("utf-8"))):
                 found[f"{folder}/{path.relative_to(templates_folder() / folder)}"] = len(lines)
     print(found)
-    assert found == LEFT, "fewer: lower LEFT; more: form it in Python (steppers/exact/lengths.py)"
+    assert found == LEFT, (
+        "fewer: lower LEFT; more: form it in Python (steppers/exact/lengths.py of the impact)"
+    )
 
 
 def _forms(pressed: Pressed, monkeypatch: pytest.MonkeyPatch) -> dict[str, sp.Basic]:

@@ -21,7 +21,7 @@ from .parts import KernelParts, lanes_of
 
 @dataclass(frozen=True)
 class FixedStepContext:
-    """Loops and helpers of one fixed-step kernel, in templates/fixed_step called `e`."""
+    """Loops and helpers of one fixed-step kernel, in templates/ball_ball/fixed_step called `e`."""
 
     variant: Variant
     steps: int

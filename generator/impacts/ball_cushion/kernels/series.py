@@ -56,6 +56,7 @@ class Series:
     enough: float = 0.3  # last step to the end by the root of what it may be off
     tiny: float = 1e-6  # way to the end that is taken at the present rate
     most: int = 200  # steps
+    slippery: float = 1e-100  # friction below it turns nothing, and its square may be no number
 
     @property
     def parts_of_one(self) -> tuple[str, ...]:
