@@ -36,7 +36,7 @@ class ReportRequest:
 
     `store`: of a sweep; None: that in the cache. `seconds`: first measure what no sweep keeps, for
     so long in each of four timings; None: show what was measured before. `out`: where the page will
-    lie, for the command on it that makes it again.
+    lie, for the command on it that makes it again. InputError: of another impact there is no page.
     """
 
     target: str = "native"
@@ -45,6 +45,15 @@ class ReportRequest:
     store: Path | None = None
     seconds: float | None = None
     out: Path = Path("report.html")
+    impact: str = DEFAULT_IMPACT
+
+    def __post_init__(self) -> None:
+        if find_impact(self.impact).name != DEFAULT_IMPACT:
+            raise InputError(
+                f"--impact {self.impact}: the page is of {DEFAULT_IMPACT} alone; "
+                f"./gen sweep --impact {self.impact} tells what it found, "
+                f"./gen bench --impact {self.impact} --json OUT what was timed"
+            )
 
     @property
     def options(self) -> str:

@@ -10,8 +10,6 @@ import click
 from .. import api
 from ..errors import InputError
 from ..files import require_place, write_file
-from ..impacts import DEFAULT
-from ..impacts.registry import find_impact
 from . import options
 from .show import session
 
@@ -31,13 +29,8 @@ from .show import session
 @options.MODEL
 @click.option("--measure", is_flag=True, help="first measure what no sweep keeps (minutes)")
 @options.seconds(10.0, "each of the four things that --measure times", least=1)
-def report(out: Path, measure: bool, seconds: float, impact: str, **asked: Any) -> None:
+def report(out: Path, measure: bool, seconds: float, **asked: Any) -> None:
     """Lay out a stored sweep and what was measured as one page; its data goes beside as JSON."""
-    if find_impact(impact).name != DEFAULT:
-        raise InputError(
-            f"--impact {impact}: the page is of {DEFAULT} alone; ./gen sweep --impact {impact} "
-            f"tells what it found, ./gen bench --impact {impact} --json OUT what was timed"
-        )
     if out.suffix != ".html":
         raise InputError(f"{out}: expected the name of an HTML file, as report.html")
     data = out.with_suffix(".json")

@@ -19,6 +19,7 @@ from generator.targets.target import find_target, targets
 from generator.vendoring.job import compare
 from generator.vendoring.kernels import Places
 from tests.support.contests import exact_candidates
+from tests.support.kernels import bench_tool
 from tests.support.reference import load_reference
 from tests.support.vendored import EXACT, PAIRS, compiled, ran, request_for, vendored
 
@@ -118,9 +119,8 @@ def test_the_manifest_says_so_and_verify_finds_it_unchanged(tmp_path):
     document = json.loads((folder / "manifest.json").read_text())
     assert document["options"]["reproducible"] is True
     assert "--reproducible" in document["command"]
-    from tests.support.kernels import bench_tool
-
-    found = compare(folder, Places(tmp_path / "generated", tmp_path / "cache"), bench_tool())
+    places = Places(tmp_path / "generated", tmp_path / "cache")
+    found = compare(folder, places, {DEFAULT_IMPACT: bench_tool()})
     assert found.unchanged, found
     usual = vendored(tmp_path / "usual", request_for("x86-64-v3"))
     assert "reproducible" not in (usual / "manifest.json").read_text()

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 lane_root=est1 interleave=s2
 // counts:   215 add, 294 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/bottom_slip-e1m06-x4f dp54 root=est1 lane_root=est1 interleave=s2
-// inputs:   sha256 6bc2c43425dbc9b9
+// inputs:   sha256 5c6eeb00e87bff53
 // chosen:   modelled by llvm-mca for nehalem, 10 kernels; largest error under the worst root estimates 6.39e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -712,7 +712,8 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
     __asm__ volatile("");
     at.k = select_rates(stops, rates_at_rest(start, at), at.k);
     // What is left of it, across the way that it will go, table friction would take away faster than a step can follow.
-    const Mask settles = both(stops, le(l_s, real(kSettled) * at.tolerance));
+    const Mask settles =
+        both(stops, both(le(l_s, real(kSettled) * at.tolerance), gt(start.u_s, real(0.0))));
     at.s_x = select(settles, real(0.0), at.s_x);
     at.s_y = select(settles, real(0.0), at.s_y);
   }
@@ -2198,7 +2199,8 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   if (any(stops)) {
     at.k = select_rates(stops, rates_at_rest(start, at), at.k);
     // What is left of it, across the way that it will go, table friction would take away faster than a step can follow.
-    const Mask settles = both(stops, le(l_s, real(kSettled) * at.tolerance));
+    const Mask settles =
+        both(stops, both(le(l_s, real(kSettled) * at.tolerance), gt(start.u_s, real(0.0))));
     at.s_x = select(settles, real(0.0), at.s_x);
     at.s_y = select(settles, real(0.0), at.s_y);
   }

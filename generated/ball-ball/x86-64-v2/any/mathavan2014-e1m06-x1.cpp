@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1
 // counts:   215 add, 295 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/mathavan2014-e1m06-x1 dp54 root=est1
-// inputs:   sha256 97aab5ca91f2be24
+// inputs:   sha256 2c895c4882790d47
 // chosen:   modelled by llvm-mca for nehalem, 24 kernels; largest error under the worst root estimates 5.02e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -705,7 +705,8 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
     __asm__ volatile("");
     at.k = select_rates(stops, rates_at_rest(start, at), at.k);
     // What is left of it, across the way that it will go, table friction would take away faster than a step can follow.
-    const Mask settles = both(stops, le(l_s, real(kSettled) * at.tolerance));
+    const Mask settles =
+        both(stops, both(le(l_s, real(kSettled) * at.tolerance), gt(start.u_s, real(0.0))));
     at.s_x = select(settles, real(0.0), at.s_x);
     at.s_y = select(settles, real(0.0), at.s_y);
   }

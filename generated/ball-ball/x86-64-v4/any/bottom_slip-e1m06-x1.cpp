@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 tiers=fixed fma=fma
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/bottom_slip-e1m06-x1 dp54 root=est1 tiers=fixed fma=fma
-// inputs:   sha256 4ce2e1000ca9ea5b
+// inputs:   sha256 690c5d52beaee6dd
 // chosen:   modelled by llvm-mca for skylake-avx512, 48 kernels; largest error under the worst root estimates 5.55e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -730,7 +730,8 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
     __asm__ volatile("");
     at.k = select_rates(stops, rates_at_rest(start, at), at.k);
     // What is left of it, across the way that it will go, table friction would take away faster than a step can follow.
-    const Mask settles = both(stops, le(l_s, real(kSettled) * at.tolerance));
+    const Mask settles =
+        both(stops, both(le(l_s, real(kSettled) * at.tolerance), gt(start.u_s, real(0.0))));
     at.s_x = select(settles, real(0.0), at.s_x);
     at.s_y = select(settles, real(0.0), at.s_y);
   }

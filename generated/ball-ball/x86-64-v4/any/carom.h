@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT-0
  * scene:    any
  * remake:   ./gen emit --header any
- * inputs:   sha256 0a6f11d63a2671c8
+ * inputs:   sha256 3c8e10908f5d7bca
  */
 #ifndef CAROM_H_
 #define CAROM_H_
