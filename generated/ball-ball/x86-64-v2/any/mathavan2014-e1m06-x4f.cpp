@@ -5,7 +5,7 @@
 // counts:   215 add, 295 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/mathavan2014-e1m06-x4f dp54 root=est1 lane_root=est1 interleave=s2
 // inputs:   sha256 aa32faa8d1f17675
-// chosen:   modelled by llvm-mca for nehalem, 10 kernels; largest error under the worst root estimates 5.51e-07
+// chosen:   modelled by llvm-mca for nehalem, 10 kernels; largest error under the worst root estimates 5.5e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
 #endif

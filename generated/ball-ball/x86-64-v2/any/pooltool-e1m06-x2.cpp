@@ -5,7 +5,7 @@
 // counts:   215 add, 294 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/pooltool-e1m06-x2 dp54 root=cubic lane_root=cubic interleave=s2
 // inputs:   sha256 51d1f330a01f5093
-// chosen:   modelled by llvm-mca for nehalem, 6 kernels; largest error under the worst root estimates 3.05e-07
+// chosen:   modelled by llvm-mca for nehalem, 6 kernels; largest error under the worst root estimates 1.63e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
 #endif
