@@ -115,7 +115,10 @@ nb::tuple CushionKernel::collide(nb::handle parameters, nb::handle ball, nb::han
   const auto into = array_of<Normal>(normal, "normal", "two numbers: level, into the cushion");
   const nb::object after = empty_(shape_);
   const auto place = nb::cast<MotionPlace>(after);
+  std::optional<nb::gil_scoped_release> release;
+  if (steps_ >= kLongSteps) release.emplace();
   const int status = one(p, motion.data(), into.data(), place.data());
+  release.reset();
   return nb::make_tuple(after, static_cast<Status>(status));
 }
 

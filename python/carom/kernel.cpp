@@ -6,7 +6,6 @@ namespace carom {
 
 namespace {
 
-constexpr int kLongSteps = 10000;  // of a call that takes so long that other threads are let run
 constexpr const char* kOneMass =
     "M1: only kernels with max_error and of the models mathavan2014 and bottom_slip take balls of "
     "two masses; leave M1 out, or name such a kernel";

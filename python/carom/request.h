@@ -15,6 +15,7 @@
 namespace carom {
 
 constexpr int kMostSteps = 100000000;
+constexpr int kLongSteps = 10000;  // of a call that takes so long that other threads are let run
 
 /// What became of a collision: as in carom.h.
 enum class Status : int { kOk = 0, kSeparating = 1, kBadInput = 2, kTilted = 3 };

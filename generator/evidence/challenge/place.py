@@ -17,6 +17,17 @@ Extent = Literal["real", "scene"]
 Image = tuple[Array, Callable[[Array], Array]]  # cases, and what takes their velocities back
 
 
+def quarter_turn(vectors: Array) -> Array:
+    """Rows of vectors of three, each turned by a right angle about z."""
+    table = vectors.reshape(len(vectors), -1, 3)
+    return np.stack([-table[..., 1], table[..., 0], table[..., 2]], axis=-1).reshape(vectors.shape)
+
+
+def turned_back(vectors: Array) -> Array:
+    """What `quarter_turn` was given."""
+    return quarter_turn(quarter_turn(quarter_turn(vectors)))
+
+
 class Within(Protocol):
     """Where a search looks: the ranges of a scene, or of real use."""
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ....evidence.challenge.place import Image, Search
+from ....evidence.challenge.place import Image, Search, quarter_turn, turned_back
 from ....evidence.verification.errors import Array
 from ..columns import BALLS, COLUMNS
 from ..evidence.scene_cases import mass_ratios
@@ -45,28 +45,18 @@ def _mirrored(cases: Array) -> tuple[Array, Array]:
     return cases * signs, np.tile(ball[3:], 2)
 
 
-def _quarter(vectors: Array) -> Array:
-    """Rows of vectors of three, each turned by a right angle about z."""
-    table = vectors.reshape(len(vectors), -1, 3)
-    return np.stack([-table[..., 1], table[..., 0], table[..., 2]], axis=-1).reshape(vectors.shape)
-
-
 def images(within: Envelope, cases: Array) -> Iterator[Image]:
     """Mirrored, turned, and where the scene has no ball of its own swapped."""
     mirrored, signs = _mirrored(cases)
     yield mirrored, lambda got: got * signs
-    turned = np.concatenate([cases[:, :_PARAMETERS], _quarter(cases[:, _PARAMETERS:])], axis=1)
-    yield turned, _turned_back
+    turned = np.concatenate([cases[:, :_PARAMETERS], quarter_turn(cases[:, _PARAMETERS:])], axis=1)
+    yield turned, turned_back
     if within.scene.unrestricted:
         one, two = BALLS
         swapped = np.array(cases)
         swapped[:, one], swapped[:, two] = cases[:, two], cases[:, one]
         swapped[:, [_U_S1, _U_S2]] = cases[:, [_U_S2, _U_S1]]
         yield swapped, lambda got: np.concatenate([got[:, 6:], got[:, :6]], axis=1)
-
-
-def _turned_back(got: Array) -> Array:
-    return _quarter(_quarter(_quarter(got)))
 
 
 def _words(case: Array) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ....evidence.challenge.place import Image, Search
+from ....evidence.challenge.place import Image, Search, quarter_turn, turned_back
 from ....evidence.verification.errors import Array
 from ..columns import COLUMNS
 from ..models import find_model
@@ -37,21 +37,15 @@ def _mirrored(cases: Array) -> tuple[Array, Array]:
     return cases * signs, ball
 
 
-def _quarter(vectors: Array) -> Array:
-    """Rows of vectors of three, each turned by a right angle about z."""
-    table = vectors.reshape(len(vectors), -1, 3)
-    return np.stack([-table[..., 1], table[..., 0], table[..., 2]], axis=-1).reshape(vectors.shape)
-
-
 def images(within: Envelope, cases: Array) -> Iterator[Image]:
     """Mirrored and turned."""
     mirrored, signs = _mirrored(cases)
     yield mirrored, lambda got: got * signs
     turned = np.array(cases)
     ball, normal = slice(_PARAMETERS, _PARAMETERS + 6), slice(_PARAMETERS + 6, _PARAMETERS + 8)
-    turned[:, ball] = _quarter(cases[:, ball])
+    turned[:, ball] = quarter_turn(cases[:, ball])
     turned[:, normal] = np.stack([-cases[:, normal][:, 1], cases[:, normal][:, 0]], axis=-1)
-    yield turned, lambda got: _quarter(_quarter(_quarter(got)))
+    yield turned, turned_back
 
 
 def _words(case: Array) -> str:
