@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1
 // counts:   215 add, 294 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/bottom_slip-e1m06-x1 dp54 root=est1
-// inputs:   sha256 cc304fb618cab8f7
+// inputs:   sha256 c8343ff8831a7068
 // chosen:   modelled by llvm-mca for nehalem, 24 kernels; largest error under the worst root estimates 3.87e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

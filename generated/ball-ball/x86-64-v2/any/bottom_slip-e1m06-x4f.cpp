@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 lane_root=est1 interleave=s2
 // counts:   215 add, 294 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/bottom_slip-e1m06-x4f dp54 root=est1 lane_root=est1 interleave=s2
-// inputs:   sha256 5c6eeb00e87bff53
+// inputs:   sha256 38f5b0012828e0b9
 // chosen:   modelled by llvm-mca for nehalem, 10 kernels; largest error under the worst root estimates 5.44e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

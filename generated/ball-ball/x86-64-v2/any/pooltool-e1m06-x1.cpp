@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic
 // counts:   215 add, 294 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/pooltool-e1m06-x1 dp54 root=cubic
-// inputs:   sha256 c2fce981325cd81e
+// inputs:   sha256 4ab1709598c37c3f
 // chosen:   modelled by llvm-mca for nehalem, 18 kernels; largest error under the worst root estimates 1.63e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic lane_root=cubic interleave=s2
 // counts:   215 add, 294 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/pooltool-e1m06-x2 dp54 root=cubic lane_root=cubic interleave=s2
-// inputs:   sha256 51d1f330a01f5093
+// inputs:   sha256 e0d97f7e57d515a1
 // chosen:   modelled by llvm-mca for nehalem, 6 kernels; largest error under the worst root estimates 1.63e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/bottom_slip-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 d449e2bdf619114e
+// inputs:   sha256 75f2508fd3979cbf
 // chosen:   modelled by llvm-mca for haswell, 24 kernels; largest error under the worst root estimates 3.87e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/bottom_slip-e1m06-x8f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 fd9bdac092499e5c
+// inputs:   sha256 a24f9fdbfbb5d686
 // chosen:   modelled by llvm-mca for haswell, 14 kernels; largest error under the worst root estimates 5.43e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

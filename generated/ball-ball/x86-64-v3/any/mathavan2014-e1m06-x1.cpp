@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   17 add, 97 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/mathavan2014-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 97718954e161cbb1
+// inputs:   sha256 e2b3b82ccbed4fdf
 // chosen:   modelled by llvm-mca for haswell, 24 kernels; largest error under the worst root estimates 3.92e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

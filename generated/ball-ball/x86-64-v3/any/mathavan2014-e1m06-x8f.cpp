@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   17 add, 97 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/mathavan2014-e1m06-x8f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 552e7661057f837b
+// inputs:   sha256 7e3f7ce728578fd8
 // chosen:   modelled by llvm-mca for haswell, 14 kernels; largest error under the worst root estimates 4.62e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic fma=fma
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/pooltool-e1m06-x1 dp54 root=cubic fma=fma
-// inputs:   sha256 a775be96c78720a7
+// inputs:   sha256 69c0c61e3740a5f6
 // chosen:   modelled by llvm-mca for haswell, 18 kernels; largest error under the worst root estimates 1.63e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic fma=fma lane_root=cubic
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/pooltool-e1m06-x4 dp54 root=cubic fma=fma lane_root=cubic
-// inputs:   sha256 23b1b95fb3277fe4
+// inputs:   sha256 586449e2ec2101e8
 // chosen:   modelled by llvm-mca for haswell, 8 kernels; largest error under the worst root estimates 1.63e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 tiers=fixed fma=fma
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/bottom_slip-e1m06-x1 dp54 root=est1 tiers=fixed fma=fma
-// inputs:   sha256 690c5d52beaee6dd
+// inputs:   sha256 0efce65e006689f8
 // chosen:   modelled by llvm-mca for skylake-avx512, 48 kernels; largest error under the worst root estimates 4.65e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

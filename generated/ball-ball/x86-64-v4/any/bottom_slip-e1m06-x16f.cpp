@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 tiers=fixed fma=fma lane_root=est1
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/bottom_slip-e1m06-x16f dp54 root=est1 tiers=fixed fma=fma lane_root=est1
-// inputs:   sha256 9fc722202ee4e6b6
+// inputs:   sha256 8929fa740edbb284
 // chosen:   modelled by llvm-mca for skylake-avx512, 18 kernels; largest error under the worst root estimates 3.2e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 tiers=fixed fma=fma
 // counts:   17 add, 97 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/mathavan2014-e1m06-x1 dp54 root=est1 tiers=fixed fma=fma
-// inputs:   sha256 fad8f3fa19e80c3b
+// inputs:   sha256 e5838b2abda42c96
 // chosen:   modelled by llvm-mca for skylake-avx512, 48 kernels; largest error under the worst root estimates 3.62e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

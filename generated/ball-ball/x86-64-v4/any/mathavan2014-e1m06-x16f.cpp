@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 tiers=fixed fma=fma lane_root=est1
 // counts:   17 add, 97 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v4/any/mathavan2014-e1m06-x16f dp54 root=est1 tiers=fixed fma=fma lane_root=est1
-// inputs:   sha256 1bfd61ee639bced4
+// inputs:   sha256 726e34fd98a8b8d7
 // chosen:   modelled by llvm-mca for skylake-avx512, 18 kernels; largest error under the worst root estimates 2.43e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/bottom_slip-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 bcee2ab9f9b99f1b
+// inputs:   sha256 15fbe9ca71a20de0
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 24 records of ball-ball/any/mathavan2014-e1m06-scalar, as none of these kernels; largest error under the worst root estimates 3.87e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

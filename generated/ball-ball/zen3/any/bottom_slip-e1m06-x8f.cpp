@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/bottom_slip-e1m06-x8f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 bd0606ac7c3a105f
+// inputs:   sha256 ce09d7b76c5341b2
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 18 records of ball-ball/any/mathavan2014-e1m06-batch, as none of these kernels; largest error under the worst root estimates 5.43e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT-0
  * scene:    any
  * remake:   ./gen emit --header any
- * inputs:   sha256 3c8e10908f5d7bca
+ * inputs:   sha256 81c3dfb371be6fbe
  */
 #ifndef CAROM_H_
 #define CAROM_H_

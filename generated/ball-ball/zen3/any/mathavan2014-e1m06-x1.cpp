@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   17 add, 97 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/mathavan2014-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 dd88660614536a45
+// inputs:   sha256 4c3bf071f6534ee4
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 24 records, 24 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 3.92e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   17 add, 97 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/mathavan2014-e1m06-x8f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 4a16d69f5aea252b
+// inputs:   sha256 46147ad47dde8339
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 18 records, 18 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 4.62e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

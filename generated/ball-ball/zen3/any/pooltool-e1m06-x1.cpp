@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic fma=fma
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/pooltool-e1m06-x1 dp54 root=cubic fma=fma
-// inputs:   sha256 102c8c2b5ec8d874
+// inputs:   sha256 03b0c75f3c312ebb
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29, 18 records, 18 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 1.63e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic fma=fma lane_root=cubic
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/pooltool-e1m06-x4 dp54 root=cubic fma=fma lane_root=cubic
-// inputs:   sha256 50ad71eda782878e
+// inputs:   sha256 7cbd417173483d22
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29, 8 records, 8 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 1.63e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
