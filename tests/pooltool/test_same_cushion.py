@@ -85,7 +85,7 @@ def test_other_steps_agree(fields: dict) -> None:
     found = np.array([difference("linear", *s, **fields) for s in shots("linear", 7, 100)])
     flips = found[found > TOLERANCE]
     print(f"{fields}: {len(flips)} flips; else {found[found <= TOLERANCE].max():.2g} m/s")
-    assert len(flips) <= 0.03 * len(found)
+    assert len(flips) <= FLIPS * len(found)
 
 
 # ---- what is ours alone ----------------------------------------------------------------------
