@@ -91,12 +91,16 @@ def choose_by_model(
 
 
 def choose_by_records(
-    kernels: Sequence[Estimated | Rejected], target: Target, baseline: float | None = None
+    kernels: Sequence[Estimated | Rejected],
+    target: Target,
+    lead: Callable[[Variant, Variant], int] = lambda one, other: 0,
+    baseline: float | None = None,
 ) -> Choice:
     """Where the target's CPU was timed elsewhere: records compete among themselves.
 
-    A kernel that nobody timed takes their winner's place where the model says that it is faster by
-    more than the model errs. `baseline`: its modelled cycles.
+    A kernel that nobody timed there takes their winner's place where the model says that it is
+    faster by more than the model errs; or faster, and `lead` that it was so on other CPUs which
+    timed both. `baseline`: its modelled cycles.
     """
     found = eligible(kernels)
     records = {k.variant: k.record for k in found if k.record is not None}
@@ -106,11 +110,12 @@ def choose_by_records(
     cycles = _cycles(found)
     rest = {v: n for v, n in cycles.items() if v not in records}
     evidence = told(list(records.values()), len(rest))
-    if winner in cycles and rest:
-        best = min(rest, key=lambda v: rest[v])
-        if rest[best] < cycles[winner] / MODEL_ERROR:
-            evidence += ", one of which by so much that it is chosen"
-            better = _of(found, best)
+    for variant in sorted(rest, key=lambda v: rest[v]) if winner in cycles else ():
+        far = rest[variant] < cycles[winner] / MODEL_ERROR
+        if far or (rest[variant] < cycles[winner] and lead(variant, winner) > 0):
+            why = "by so much" if far else "on other CPUs too, so"
+            evidence += f", one of which is faster {why} that it is chosen"
+            better = _of(found, variant)
             return _modelled(better, (better.name,), target.row.mca_cpu, evidence, baseline)
     ratio = _ratio_of(records[winner])
     return Choice(

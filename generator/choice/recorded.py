@@ -44,7 +44,7 @@ def choose_elsewhere(
         wins, cpu = bench.timings.wins, target.row.mca_cpu
         by = choose_by_model(weighed[among:], cpu, wins, cycles)
         return weighed, by
-    return weighed, choose_by_records(weighed[among:], target, cycles)
+    return weighed, choose_by_records(weighed[among:], target, bench.timings.lead, cycles)
 
 
 def _with_model(kernel: Estimated, model: Modelled | KernelError | None) -> Estimated | Rejected:

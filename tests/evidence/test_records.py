@@ -25,6 +25,7 @@ from generator.cli.main import gen
 from generator.errors import KernelError
 from generator.evidence.records.evidence import Found, key_of_kernel, read_timings, timings_of, told
 from generator.evidence.records.files import read_records, timings_path, union, write_records
+from generator.evidence.records.record import TimingRecord
 from generator.evidence.verification.verdict import Verdict
 from generator.registry.names import name_of, variant_from, variant_of
 from generator.registry.question import Contest, Goal
@@ -159,6 +160,35 @@ def test_what_nobody_timed_is_chosen_where_the_model_puts_it_beyond_its_error() 
     far = candidate("est1", cycles=1000.0 / MODEL_ERROR * 0.99)
     choice = choose_by_records([timed, far], ZEN3)
     assert (choice.chosen, choice.by, choice.measured_on) == (far, "llvm-mca", "znver3")
+
+
+def test_what_other_cpus_say_is_faster_is_chosen_where_the_model_says_so_too() -> None:
+    timed = candidate("prev", 0.34, 1000.0)
+    near, slower = candidate("est1", cycles=950.0), candidate("inv", cycles=1010.0)
+
+    def lead(one: Variant, other: Variant) -> int:
+        assert other == timed.variant
+        return 1 if one["rsqrt"] in ("est1", "inv") else 0
+
+    choice = choose_by_records([timed, slower, near], ZEN3, lead)
+    print(choice.evidence)
+    assert (choice.chosen, choice.by) == (near, "llvm-mca")
+    assert choose_by_records([timed, slower], ZEN3, lead).chosen is timed
+    assert choose_by_records([timed, near], ZEN3).chosen is timed
+
+
+def test_a_recipe_leads_where_both_were_timed_and_differ_by_more_than_2_percent() -> None:
+    first, second = (candidate(rsqrt).variant for rsqrt in ("inv", "prev"))
+
+    def timed(variant: Variant, ratio: float) -> TimingRecord:
+        made = {"question": str(variant.question), "recipe": str(variant.recipe), "ratio": ratio}
+        return BASE.model_copy(update=made)
+
+    for ratio, lead in ((0.52, 1), (0.509, 0), (0.30, -1)):
+        timings = timings_of([timed(first, 0.50), timed(second, ratio)])
+        assert timings.lead(first, second) == lead, ratio
+        assert timings.lead(second, first) == -lead, ratio
+    assert timings_of([timed(first, 0.5)]).lead(first, second) == 0, "one of them is not timed"
 
 
 def test_records_of_earlier_code_are_used_and_counted_with_what_changed() -> None:

@@ -124,6 +124,24 @@ class Timings:
             if there is not None
         )
 
+    def lead(self, variant: Variant, rival: Variant) -> int:
+        """On how many more CPUs a kernel's recipe was the faster of two than the slower.
+
+        CPUs count that have timed both, and where one took over 2 % more than the other.
+        """
+        return sum(self._ahead(cpu, variant, rival) for cpu in self.by_cpu)
+
+    def _ahead(self, cpu: str, variant: Variant, rival: Variant) -> int:
+        there = self.nearest(cpu, key_of_kernel(variant)[0])
+        if there is None:
+            return 0
+        timed = self.contest(cpu, there)
+        kernels = [_moved(key_of_kernel(each)[1], there) for each in (variant, rival)]
+        if not all(each in timed for each in kernels):
+            return 0
+        own, other = (timed[each].ratio for each in kernels)
+        return int(own * WON < other) - int(other * WON < own)
+
 
 def _moved(kernel: Variant, contest: Contest, target: str = "") -> Variant:
     """The same kernel for the scene and the contact model of another contest."""
