@@ -49,6 +49,11 @@ def reduced_system(terms: ContactTerms, pressed: int, equal: bool = True) -> Red
     return ReducedSystem(terms, pressed, MappingProxyType(changes))
 
 
+def drives_its_slip(terms: ContactTerms) -> bool:
+    """Does friction on the table drive the slip that it comes from away from zero?"""
+    return bool(reduced_system(terms, 2).coefficient(s.S2X, s.T2X) < 0)
+
+
 @dataclass(frozen=True)
 class Recovery:
     """Impulse sums as linear forms in the changes of the pressed ball's slips."""

@@ -7,7 +7,6 @@ from . import scene, words
 from .columns import COLUMNS
 from .models import DEFAULT_MODEL, MODELS, find_model
 from .parameters import PARAMETERS
-from .terms import drives_its_slip
 
 _STATUSES = (
     Status("OK", 0, "collided"),
@@ -28,6 +27,8 @@ def _sensitivity(model: str) -> Sensitivity:
     after; roots and rounding err most in the same rare passages, where the steps' own error is
     small.
     """
+    from .reduced import drives_its_slip
+
     driven = drives_its_slip(find_model(model).terms)
     return Sensitivity(148.0, adds_up=True) if driven else Sensitivity(2.4, adds_up=False)
 

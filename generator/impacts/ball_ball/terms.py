@@ -17,11 +17,3 @@ class ContactTerms:
     def __post_init__(self) -> None:
         if self.table_slip_point not in ("top", "bottom"):
             raise ValueError(f"table slip point must be top or bottom, not {self.table_slip_point}")
-
-
-def drives_its_slip(terms: ContactTerms) -> bool:
-    """Does friction on the table drive the slip that it comes from away from zero?"""
-    from . import symbols as s
-    from .reduced import reduced_system
-
-    return bool(reduced_system(terms, 2).coefficient(s.S2X, s.T2X) < 0)

@@ -11,7 +11,7 @@ from ....evidence.verification.errors import Array
 from ..columns import BALLS, COLUMNS
 from ..evidence.scene_cases import mass_ratios
 from ..models import find_model
-from ..terms import drives_its_slip
+from ..reduced import drives_its_slip
 from .balls import cases_of
 from .charts import GENES, Chart, draw_chart, places_of, states_of
 from .envelope import Envelope, envelope

@@ -10,8 +10,9 @@ from .....registry.variant import Stepper, Variant
 from .....steppers.budgets import BudgetPlan, plan_for
 from .....targets.target import Target
 from ...masses import GIVEN_PRESSED, Masses, masses_of, pressed_changes
+from ...reduced import drives_its_slip
 from ...scene import Scene
-from ...terms import ContactTerms, drives_its_slip
+from ...terms import ContactTerms
 from ..collision_ends import CollisionEnds, at_zero
 from .coefficients import coefficients
 from .context import MOST_STEPS, ExactContext, most_in_floats
