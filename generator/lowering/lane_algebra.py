@@ -249,6 +249,9 @@ class Lines:
     def remark(self, *text: str) -> None:
         self._lines += [f"// {line}" for line in text]
 
+    def extend(self, part: tuple[str, ...]) -> None:
+        self._lines += part
+
     def _put(self, assign: Assign) -> None:
         self._lines += lower([assign], self._printer).lines
 

@@ -42,7 +42,6 @@ LEFT = {
     "ball_ball/exact/single.j2": 2,
     "ball_ball/exact/stages.j2": 2,
     "ball_ball/exact/step.j2": 38,
-    "ball_ball/exact/sticking.j2": 50,
     "ball_ball/exact/system.j2": 17,
     "ball_ball/fixed_step/ball_lanes.j2": 10,
     "ball_ball/fixed_step/chosen.j2": 1,

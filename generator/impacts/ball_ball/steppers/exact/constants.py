@@ -183,6 +183,10 @@ class Literal:
         "1",
         "share of what is left of table friction that an error of q turns near zero slip",
     )
+    least_fall = _value(
+        0.001, "k_z", "the slowest that c_z falls at, whatever the table does", "derived"
+    )
+    margin = _value(1.01, "1", "of a bound: for what estimates of inverses are off", "derived")
     away = _value(
         0.6, "|s|/|b|", "s that leaves zero does not matter to a step into sticking shorter than it"
     )

@@ -201,10 +201,6 @@ class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
         return _figures(SPIN * sticking_bound(self.tableau)[0] / self.pressed.least_k_z)
 
     @property
-    def sticking_power(self) -> int:
-        return sticking_bound(self.tableau)[1]
-
-    @property
     def landing_turns(self) -> int:
         """Newton iterations for the end of a collision on an interpolant, where it takes any."""
         return 4 if self.dense_landing else 2

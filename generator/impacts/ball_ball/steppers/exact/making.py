@@ -16,7 +16,7 @@ from ...terms import ContactTerms
 from ..collision_ends import CollisionEnds, at_zero
 from .coefficients import coefficients
 from .context import MOST_STEPS, ExactContext, most_in_floats
-from .parts import end_parts, step_parts
+from .parts import Writes, end_parts, step_parts
 from .pressed import Pressed
 from .step import ExactLowering
 from .writing import Equations, Writing
@@ -114,10 +114,11 @@ def _pressed_context(kernel: _Kernel) -> ExactContext:
         plan.tableau,
         Writing(kernel.fma, gains, lanes, roots.split_roots),
     )
+    how = Writes(floats, roots.root_newton is None, variant.paired)
     return ExactContext(
         **vars(roots),
         **vars(coefficients(pressed)),
-        **vars(step_parts(lowering, pressed, floats, variant.paired)),
+        **vars(step_parts(lowering, pressed, how)),
         **vars(end_parts(ends, scene, kernel.scaled, lanes)),
         tableau=plan.tableau,
         control=plan.control,

@@ -8,11 +8,13 @@ from .....lowering.statements import Part
 from ...scene import Scene
 from ..collision_ends import CollisionEnds, LevelForms
 from .coefficients import printed
+from .ellipse import sticking_bound
 from .lengths import PlanLines, plan_lines
 from .passage import PassageLines, passage_lines
 from .pressed import Pressed
 from .stages import Kept
 from .step import ExactLowering, ExactStep
+from .sticking import Sticking, StickingLines, sticking_lines
 
 SLIPS_BEFORE = ("c_x", "c_z", "s1x", "s1y", "s2x", "s2y", "v_n")
 
@@ -33,31 +35,43 @@ class StepParts:
     dense_contact: tuple[str, ...] = ()  # of the other impulses
     plan: PlanLines | None = None
     passage: PassageLines | None = None
+    sticking: StickingLines | None = None
     drift: tuple[str, ...] = ()  # b, the rate of the table slip
     landed: tuple[str, ...] = ()  # slips from the impulses of a part of a step
 
 
-def step_parts(lowering: ExactLowering, pressed: Pressed, floats: bool, paired: bool) -> StepParts:
-    """`paired`: are the stages of two vectors made in turn?"""
+@dataclass(frozen=True)
+class Writes:
+    """What the parts of a step depend on beside its equations."""
+
+    floats: bool
+    divides: bool  # are roots taken, and divided by?
+    paired: bool  # are the stages of two vectors made in turn?
+
+
+def step_parts(lowering: ExactLowering, pressed: Pressed, how: Writes) -> StepParts:
     common = StepParts(
         step=lowering.parts(),
         slip_names=tuple(lowering.slips),
         impulse_names=tuple(lowering.impulses),
         gains=lowering.gains,
         tail_bend="" if lowering.tail_bend.is_number else printed(lowering.tail_bend),
-        kept=lowering.kept() if paired and lowering.lanes else (),
+        kept=lowering.kept() if how.paired and lowering.lanes else (),
     )
     if not lowering.table:
         return common
     drift = lowering.drift().lines
+    gains = common.impulse_names if common.gains else ()
+    sticking = Sticking(pressed, how.divides, sticking_bound(lowering.tableau)[1], gains)
     return replace(
         common,
         tail_steps=lowering.tail().lines,
         extra_stages=lowering.extra_stages(),
         dense_work=lowering.dense(("t_y", "j")).lines,
         dense_contact=lowering.dense(("d_x", "d_z", "t_x")).lines,
-        plan=plan_lines(pressed, drift, floats),
+        plan=plan_lines(pressed, drift, how.floats),
         passage=passage_lines(pressed),
+        sticking=sticking_lines(sticking),
         drift=drift,
         landed=lowering.landed().lines,
     )
