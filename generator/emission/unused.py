@@ -9,6 +9,7 @@ namespace defines it anew, it is another.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 _MARK = "[[maybe_unused]] "
@@ -85,15 +86,18 @@ class _Text:
 
     def used(self, begin: int, end: int, name: str, call: str) -> bool:
         """Is a name of the definition from `begin` to `end` used behind it?"""
+        whole = len(self.quiet)
         if _MEMBER.match(self.quiet, begin):
-            return bool(re.compile(rf"(?:\.|::){name}\b").search(self.quiet, end))
+            return any(self.places(name, rf"(?:(?<=\.)|(?<=::)){name}\b", end, whole))
         own = self.path(begin)
-        if own and re.compile(rf"\b{own[-1]}::{name}{call}").search(self.quiet, end):
-            return True
-        reach = self.close(end) if self.quiet[begin] == " " else len(self.quiet)
+        if own:
+            named = f"{own[-1]}::{name}"
+            if any(self.places(named, rf"\b{named}{call}", end, whole)):
+                return True
+        reach = self.close(end) if self.quiet[begin] == " " else whole
         anew: dict[tuple[str, ...], bool] = {}  # does an inner namespace define the name?
-        for place in re.compile(rf"(?<![\w.:>]){name}{call}").finditer(self.quiet, end, reach):
-            path = self.path(place.start())
+        for place in self.places(name, rf"(?<![\w.:>]){name}{call}", end, reach):
+            path = self.path(place)
             inner = [path[:n] for n in range(len(own) + 1, len(path) + 1)]
             for each in inner:
                 if each not in anew:
@@ -101,6 +105,14 @@ class _Text:
             if path[: len(own)] == own and not any(anew[each] for each in inner):
                 return True
         return False
+
+    def places(self, name: str, pattern: str, begin: int, end: int) -> Iterator[int]:
+        """Where a pattern matches, which `name` begins: most names stand in few places."""
+        compiled, at = re.compile(pattern), self.quiet.find(name, begin, end)
+        while at >= 0:
+            if compiled.match(self.quiet, at, end):
+                yield at
+            at = self.quiet.find(name, at + 1, end)
 
     def defines(self, path: tuple[str, ...], name: str) -> bool:
         defines = re.compile(_DEFINES % name, re.MULTILINE)

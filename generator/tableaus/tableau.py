@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 Row = tuple[Fraction, ...]
 
@@ -53,7 +54,7 @@ class Tableau:
         """Weights of the method itself, with 0 for the last stage."""
         return (*self.a[-1], Fraction(0))
 
-    @property
+    @cached_property
     def c(self) -> Row:
         return tuple(sum(row, Fraction(0)) for row in self.rows)
 
