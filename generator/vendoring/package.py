@@ -17,7 +17,7 @@ from ..toolchain.flags import STRICT
 from .dispatch import dispatch_context, guard_of, is_mixed, unit_of
 from .golden import GoldenRow
 from .kernels import Chosen, TargetKernels
-from .part import PartContext
+from .part import PartContext, part_of
 from .request import VendorRequest
 
 _MACRO = re.compile(r"^#define (\w+)", re.MULTILINE)
@@ -103,7 +103,7 @@ def package_files(
     use = HeaderUse(fixed_step=request.fixed_step, dispatched=dispatched)
     scenes = [(part.row, part.known_scene) for part in request.parts]
     header = header_of(scenes, request.prefix, request.command, use)
-    parts = tuple(PartContext(part, rows[part.impact], dispatched) for part in request.parts)
+    parts = tuple(part_of(part, rows[part.impact], dispatched) for part in request.parts)
     context = PackageContext(request, parts, tuple(units), dispatched)
     files = {
         "LICENSE": environment().get_template("vendor/LICENSE.j2").render(),

@@ -4,45 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..emission.context import Field
-from ..emission.parameters import fields_of
-from ..impacts.impact import Functions, Impact
-from ..impacts.scene import BaseScene
+from ..emission.header import Section
 from .golden import GoldenRow
 from .request import VendorRequest
 
 
 @dataclass(frozen=True)
-class PartContext:
+class PartContext(Section):
     """What templates see of one impact. `request`: that of the impact alone."""
 
     request: VendorRequest
     rows: tuple[GoldenRow, ...]
     dispatched: bool
-
-    @property
-    def impact(self) -> Impact:
-        return self.request.row
-
-    @property
-    def scene(self) -> BaseScene:
-        return self.request.known_scene
-
-    @property
-    def abi(self) -> Functions:
-        return self.impact.functions
-
-    @property
-    def prefix(self) -> str:
-        return self.request.prefix
-
-    @property
-    def symbol(self) -> str:
-        return self.prefix
-
-    @property
-    def upper(self) -> str:
-        return self.prefix.upper()
 
     @property
     def fixed_step(self) -> bool:
@@ -66,14 +39,6 @@ class PartContext:
     def selftest_file(self) -> str:
         """In one header the self-test holds the implementation, and so is C++."""
         return f"{self.selftest}.{'cpp' if self.single_header else 'c'}"
-
-    @property
-    def fields(self) -> tuple[Field, ...]:
-        return fields_of(self.impact, self.scene).given
-
-    @property
-    def varied(self) -> str:
-        return self.abi.varied
 
     @property
     def speeds(self) -> tuple[int, ...]:
@@ -115,3 +80,8 @@ class PartContext:
             "Answers of an exact solver in long double (Taylor series of high order in the full "
             "velocities), written apart from the kernels; good to about 1e-15."
         )
+
+
+def part_of(request: VendorRequest, rows: tuple[GoldenRow, ...], dispatched: bool) -> PartContext:
+    """The part of a request for one impact."""
+    return PartContext(request.row, request.known_scene, request.prefix, request, rows, dispatched)
