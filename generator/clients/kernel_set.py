@@ -176,7 +176,7 @@ def _rows(
 
 
 def _emit(row: Row) -> KernelSource:
-    return emit(row.variant, Naming(row.prefix), COMMAND)
+    return emit(row.variant, Naming(row.prefix), COMMAND, laid_out=False)
 
 
 def kernel_set(choice: Choice = Choice()) -> dict[str, str]:

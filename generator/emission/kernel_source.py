@@ -78,11 +78,15 @@ def _wrapped(*sentences: str) -> tuple[str, ...]:
 
 
 def emit(
-    variant: Variant, naming: Naming = _PLAIN, command: str | None = None, grounds: str = ""
+    variant: Variant,
+    naming: Naming = _PLAIN,
+    command: str | None = None,
+    grounds: str = "",
+    laid_out: bool = True,
 ) -> KernelSource:
     """The text of a kernel, its header and its probe. ValueError where the variant is illegal.
 
-    `grounds`: what its choice rests on, for the banner.
+    `grounds`: what its choice rests on, for the banner. `laid_out` False: for a compiler alone.
     """
     head = _head(variant, naming)
     impact, scene = head.impact, head.scene
@@ -90,7 +94,9 @@ def emit(
     sentences = impact.words().contract(scene, variant.model, context.method)
     context = replace(context, contract=_wrapped(*sentences))
     marked = _text(context, command, grounds)
-    source = format_source(without_unused(without_marks(marked)), variant.question.file)
+    source = without_unused(without_marks(marked))
+    if laid_out:
+        source = format_source(source, variant.question.file)
     return KernelSource(
         variant=variant,
         source_name=head.name,
