@@ -40,6 +40,8 @@ class Series:
     share: float = 0.04  # terms of the last order, at most
     before_last: float = 3.0  # times it: terms of the order before
     most_gain: float = 100.0  # times more, where the ball moves along the cushion
+    nearly: float = 0.85  # of the way to where a slip passes zero closely, a step
+    aside: float = 0.25  # tolerances by which such a slip may turn without it
     beyond: float = 1.3  # of the impulse that is left at the present rate
     near: float = 0.02  # slips at the nose below may jump to zero, or follow their balance
     jumps: float = 0.3  # error of a jump by slip, duration and turning
@@ -59,6 +61,10 @@ class Series:
     slippery: float = 1e-100  # friction below it turns nothing, and its square may be no number
 
     @property
+    def nearly_square(self) -> str:
+        return number(sp.Rational(str(self.nearly)) ** 2)
+
+    @property
     def parts_of_one(self) -> tuple[str, ...]:
         """1/k, of an integral's coefficient k."""
         return tuple(number(sp.Rational(1, k)) for k in range(1, self.order + 1))
@@ -68,7 +74,7 @@ def series_for(budget: float, place_fma: bool) -> Series:
     """Low orders are cheap, high ones go far at small tolerances."""
     series = Series(10, _parts(place_fma))
     if budget > 1e-5:
-        return replace(series, order=6, near=0.14, share=0.03, jumps=1.0)
+        return replace(series, order=6, near=0.14, share=0.03, jumps=1.0, nearly=1.0, aside=1.0)
     return replace(series, order=14, share=0.01) if budget < 1e-7 else series
 
 
