@@ -12,7 +12,7 @@ import pytest
 import sympy as sp
 
 from generator.emission.kernel_source import KernelSource, emit
-from generator.errors import InputError, KernelError
+from generator.errors import InputError
 from generator.evidence.timing.bench_tool import ROOT
 from generator.evidence.verification.errors import Array
 from generator.evidence.verification.verdict import Verdict
@@ -30,15 +30,13 @@ from generator.impacts.ball_ball.scene import Scene, parse_scene
 from generator.impacts.ball_ball.terms import MASS_RATIOS
 from generator.registry.lane_numbers import float_lanes
 from generator.registry.lanes import widths_of
-from generator.registry.names import name_of
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper, Variant, make_variant
-from generator.toolchain.build import BuildJob, BuiltLibrary, build_many
-from generator.toolchain.flags import compile_flags
+from generator.toolchain.build import BuiltLibrary, build
 from tests.support.batch_calls import BatchFunction, Outcome, inputs_of
 from tests.support.contests import baseline, exact_candidates
 from tests.support.exact_kernels import portable_target
-from tests.support.kernels import CACHE, EULER, WARNINGS, bench_tool, compiler_of
+from tests.support.kernels import CACHE, EULER, bench_tool, job_of
 from tests.support.reference import exact_verdict
 
 SHIPPED = tuple(scene_module.scenes())
@@ -104,13 +102,8 @@ def built(scene: str, model: str = "", compiler: str = "gcc", budget: float | No
 @cache
 def built_as(variant: Variant) -> Built:
     """The same for any variant."""
-    source, cc = emit(variant), compiler_of(variant)
-    flags = (*compile_flags(variant, cc, portable_target()), *WARNINGS)
-    texts = {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
-    library = build_many([BuildJob(name_of(variant), texts, cc, flags)], CACHE)[0]
-    if isinstance(library, KernelError):
-        raise library
-    return Built(variant, source, library)
+    source = emit(variant, laid_out=False)
+    return Built(variant, source, build(job_of(variant, source), CACHE))
 
 
 @cache
@@ -506,11 +499,7 @@ def test_fixed_steps_of_a_level_scene_press_no_ball(scene: str) -> None:
 def test_fixed_steps_of_a_level_scene_are_the_scheme(scene: str, model: str) -> None:
     """Elastic and plastic shots end in exact ties there, which are not counted as flips."""
     variant = fixed_step_variant(scene, model)
-    source, cc = emit(variant), compiler_of(variant)
-    flags = (*compile_flags(variant, cc, portable_target()), *WARNINGS)
-    texts = {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
-    library = build_many([BuildJob(name_of(variant), texts, cc, flags)], CACHE)[0]
-    assert isinstance(library, BuiltLibrary), library
+    library = built_as(variant).library
     rows, exact = inside(scene, model)
     euler = bench_tool().expect(rows, "euler", model)
     verdict = euler_verdict(

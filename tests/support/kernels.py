@@ -78,14 +78,15 @@ def compiler_of(candidate: Variant) -> Compiler:
 def build_all(variants: list[Variant], worst: bool = False) -> list[BuiltLibrary | KernelError]:
     """Built with warnings as errors, besides their own flags; `worst`: to run under a pattern of
     estimates (verification.worst_estimates)."""
-    jobs = []
-    for each in variants:
-        source, compiler = emit(each), compiler_of(each)
-        flags = (*compile_flags(each, compiler, find_target(each.target)), *WARNINGS)
-        texts = {"carom.h": source.header, "kernel.cpp": source.source, "probe.cpp": source.probe}
-        job = BuildJob(name_of(each), texts, compiler, flags)
-        jobs.append(at_worst(job) if worst else job)
-    return build_many(jobs, CACHE)
+    jobs = [job_of(each) for each in variants]
+    return build_many([at_worst(job) for job in jobs] if worst else jobs, CACHE)
+
+
+def job_of(variant: Variant, source: KernelSource | None = None) -> BuildJob:
+    """How a variant is built; its text need not be laid out for that."""
+    source, compiler = source or emit(variant, laid_out=False), compiler_of(variant)
+    flags = (*compile_flags(variant, compiler, find_target(variant.target)), *WARNINGS)
+    return BuildJob(name_of(variant), source.files, compiler, flags)
 
 
 @dataclass(frozen=True)
