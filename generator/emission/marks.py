@@ -5,6 +5,8 @@ same text with these lines, and put their own in place of each:
 
     begin REGION [CONDITION]   a region of a loop's body begins, where the condition holds
     end REGION [CONDITION]     it ends
+    section NAME               all up to the next such mark belongs to a section of a collision
+                               (evidence/profiling/sections.py), or to its `caller`
     rare                       a block that hardly ever runs: a guess was refused
     evaluation                 the rates of the slips are evaluated
     root                       a helper that makes roots begins

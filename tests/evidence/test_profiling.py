@@ -9,6 +9,7 @@ import pytest
 
 from generator.choice.modelling import frame_cycles
 from generator.emission.kernel_source import KernelSource, emit
+from generator.emission.marks import without_marks
 from generator.evidence.profiling.misses import own_costs, simulate_misses
 from generator.evidence.profiling.passes import steps_a_collision
 from generator.evidence.profiling.sampling import sample
@@ -49,15 +50,15 @@ def test_lines_of_a_kernel_belong_to_the_section_that_they_serve() -> None:
         "const double dc_x = c_x - c_x_0;": "post-loop",
         "out1[3] = b.v1x * b.f_y + b.v1y * b.f_x;": "post-loop",
     }
-    source = _kernel("reduced-ahead")[1].source
-    found = sections_of(source)
+    marked = _kernel("reduced-ahead")[1].marked
+    source, found = without_marks(marked), sections_of(marked)
     for text, section in wanted.items():
         assert found[_line(source, text)] == section, text
     assert found[_line(source, "inline double exact_rsqrt(double n)")] is None  # its caller's
     assert len(found) == len(source.splitlines())
     exact = make_variant("x86-64-v2", "any", "mathavan2014", Stepper("dp54", budget=1e-6))
-    source = emit(exact.with_options(fma="nofma")).source
-    found = sections_of(source)
+    marked = emit(exact.with_options(fma="nofma")).marked
+    source, found = without_marks(marked), sections_of(marked)
     assert found[_line(source, "const Real i_cs = i_c * i_s;")] == "impulse"
     assert found[_line(source, "// Accept or shrink")] == "update"
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from ...emission.environment import environment
 from ...emission.kernel_source import KernelSource
+from ...emission.marks import without_marks
 from ...errors import KernelError
 from ...toolchain.build import build_library
 from ...toolchain.compilers import Compiler
@@ -50,7 +51,8 @@ def sample(
     """Run a kernel on rows of cases for a while. Raises KernelError where that fails."""
     if shutil.which("addr2line") is None:
         raise KernelError("sections: no addr2line (apt-get install binutils)")
-    kernel = build_library(source.files, (), compiler, (*flags, "-g"), cache, "sampled kernel")
+    files = {**source.files, "kernel.cpp": without_marks(source.marked)}
+    kernel = build_library(files, (), compiler, (*flags, "-g"), cache, "sampled kernel")
     row = source.variant.question.row
     text = (
         environment()
@@ -66,7 +68,7 @@ def sample(
     at = {int(offset): int(count) for offset, count in taken["at"]}
     if not at:
         raise KernelError("sections: no sample fell into the kernel")
-    by_line = sections_of(source.source)
+    by_line = sections_of(source.marked)
     totals = dict.fromkeys(SECTIONS, 0)
     unknown = 0
     for offset, section in _sections_at(kernel.path, list(at), by_line).items():

@@ -42,7 +42,9 @@ class Loop:
     root_in_branch: Mapping[int, Part] = field(default_factory=lambda: {1: EMPTY, 2: EMPTY})
     table: Mapping[int, Part] = field(default_factory=dict)
     lift: Mapping[int, Part] = field(default_factory=dict)
+    impulses: Part = EMPTY  # before the update, where no branch makes them
     update: Part = EMPTY
+    slips: Part = EMPTY  # made anew after it
     bottom: Part = EMPTY
     after_loop: Part = EMPTY
     steady: str = ""
@@ -92,7 +94,7 @@ class Loop:
     def counts(self) -> OperationCounts:
         """Operations of one iteration with slip and one pressed ball (work and loop test too)."""
         ball = self.pressed or 2
-        parts = [self.top, self.d_x, self.d_z, self.update, self.bottom]
+        parts = [self.top, self.d_x, self.d_z, self.impulses, self.update, self.slips, self.bottom]
         parts += [self.root_in_branch[ball]]
         parts += [part for key, part in self.table.items() if key == ball or self._masks]
         parts += [part for key, part in self.lift.items() if key == ball or self._masks]

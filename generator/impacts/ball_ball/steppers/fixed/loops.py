@@ -105,7 +105,7 @@ class LoopBuilder:
             declarations=state.full_state(low),
             top=join(state.slips_anew(low), loop.top) if low.recomputes else loop.top,
             update=low.update(),
-            bottom=join(slips, loop.bottom),
+            slips=slips,
             after_loop=state.full_back(low),
         )
 
@@ -171,6 +171,7 @@ class LoopBuilder:
             loop,
             before_loop=roots.before_loop,
             top=roots.top,
+            impulses=self._chosen_impulses(pressed),
             update=self._chosen_update(pressed),
             bottom=roots.bottom,
         )
@@ -181,7 +182,7 @@ class LoopBuilder:
         return replace(
             loop,
             declarations=state.full_state(low, carried),
-            bottom=join(low.slips_of_state(only=carried), loop.bottom),
+            slips=low.slips_of_state(only=carried),
             after_loop=state.full_back(low),
         )
 
@@ -189,18 +190,23 @@ class LoopBuilder:
         sums = reduced.recover_pressed(self.low, pressed)
         return join(sums, reduced.velocities_from_sums(self.low, pressed))
 
-    def _chosen_update(self, pressed: int) -> Part:
-        low, variant = self.low, self.variant
-        if variant["reuse"] == "factored":
-            return reduced.update_factored(low, pressed)
-        impulses = join(
+    def _chosen_impulses(self, pressed: int) -> Part:
+        low = self.low
+        if self.variant["reuse"] == "factored":
+            return reduced.factored_impulses(low, pressed)
+        return join(
             low.friction_part("d_x", "const double"),
             low.friction_part("d_z", "const double"),
             low.table(pressed, "const double"),
         )
+
+    def _chosen_update(self, pressed: int) -> Part:
+        low, variant = self.low, self.variant
+        if variant["reuse"] == "factored":
+            return reduced.update_factored(low, pressed)
         if variant["state"] == "reduced":
-            return join(impulses, reduced.update_pressed(low, pressed))
-        return join(impulses, low.update((pressed,)), low.lift(pressed))
+            return reduced.update_pressed(low, pressed)
+        return join(low.update((pressed,)), low.lift(pressed))
 
     def unpressed(self) -> Loop:
         """c_z = 0 exactly: nobody is pressed, and the contact slip keeps its line."""

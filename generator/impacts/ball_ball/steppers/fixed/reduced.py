@@ -34,6 +34,24 @@ def update_pressed(low: FixedStepLowering, pressed: int) -> Part:
     return low.part([*assigns, APPROACH])
 
 
+_H_X, _H_Z, _G, _G_X, _G_Y, _I_C, _I_CS = sp.symbols("h_x h_z g g_x g_y i_c i_cs", real=True)
+
+
+def factored_impulses(low: FixedStepLowering, pressed: int) -> Part:
+    """Impulses before inverse lengths are multiplied in: h of contact, g of the table."""
+    x, y = SLIP_SYMBOLS[f"s{pressed}"]
+    push = (-1 if pressed == 2 else 1) * U_TABLE[pressed]
+    forms = {
+        "h_x": -K * s.C_X,
+        "h_z": -K * s.C_Z,
+        "g": push * _H_Z,
+        "g_x": _G * x,
+        "g_y": _G * y,
+        "i_cs": _I_C * sp.Symbol(f"i_s{pressed}", real=True),
+    }
+    return low.part([Assign(name, form, f"const {REAL}") for name, form in forms.items()])
+
+
 def update_factored(low: FixedStepLowering, pressed: int) -> Part:
     """As update_pressed, the inverse lengths multiplied in last: the critical chain is short.
 
@@ -41,24 +59,13 @@ def update_factored(low: FixedStepLowering, pressed: int) -> Part:
     inverse length.
     """
     changes = _pressed_changes(low, pressed)
-    x, y = SLIP_SYMBOLS[f"s{pressed}"]
     t_x, t_y = TABLE[pressed]
-    h_x, h_z, g_x, g_y, i_c, i_cs = sp.symbols("h_x h_z g_x g_y i_c i_cs", real=True)
-    push = (-1 if pressed == 2 else 1) * U_TABLE[pressed]
-    kind = f"const {REAL}"
-    assigns = [
-        Assign("h_x", -K * s.C_X, kind),
-        Assign("h_z", -K * s.C_Z, kind),
-        Assign("g", push * h_z, kind),
-        Assign("g_x", sp.Symbol("g", real=True) * x, kind),
-        Assign("g_y", sp.Symbol("g", real=True) * y, kind),
-        Assign("i_cs", i_c * sp.Symbol(f"i_s{pressed}", real=True), kind),
-    ]
+    assigns = []
     for name, change in changes.items():
         value = name + change.coeff(s.DQ) * s.DQ
-        contact = sp.expand(change.coeff(s.D_X) * h_x + change.coeff(s.D_Z) * h_z)
-        table = sp.expand(change.coeff(t_x) * g_x + change.coeff(t_y) * g_y)
-        for factor, form in ((i_c, contact), (i_cs, table)):
+        contact = sp.expand(change.coeff(s.D_X) * _H_X + change.coeff(s.D_Z) * _H_Z)
+        table = sp.expand(change.coeff(t_x) * _G_X + change.coeff(t_y) * _G_Y)
+        for factor, form in ((_I_C, contact), (_I_CS, table)):
             if form != 0:
                 assigns.append(Assign(name.name, value + factor * form))
                 value = name
