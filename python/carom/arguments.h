@@ -96,14 +96,19 @@ inline nb::object doubles_of(nb::handle given, const char* name, const std::stri
   return numpy.attr("ascontiguousarray")(array, "dtype"_a = "float64");
 }
 
+/// An array of a fixed shape; lists are converted.
+template <class Array>
+Array array_of(nb::handle given, const char* name, const char* need) {
+  Array array;
+  if (nb::try_cast(given, array, false)) return array;
+  const nb::object converted = doubles_of(given, name, need);
+  if (!nb::try_cast(converted, array, false)) refuse_type(name, shown_of(given, converted), need);
+  return array;
+}
+
 inline BallArray ball_of(nb::handle given, const char* name) {
-  static constexpr const char* kNeed =
-      "numbers of shape (3, 3): position, velocity, angular velocity";
-  BallArray ball;
-  if (nb::try_cast(given, ball, false)) return ball;
-  const nb::object array = doubles_of(given, name, kNeed);
-  if (!nb::try_cast(array, ball, false)) refuse_type(name, shown_of(given, array), kNeed);
-  return ball;
+  return array_of<BallArray>(given, name,
+                             "numbers of shape (3, 3): position, velocity, angular velocity");
 }
 
 inline BallPlace ball_place(nb::handle given, const char* name) {
@@ -119,6 +124,15 @@ inline Numbers numbers_of(nb::handle given, const char* name, const std::string&
   if (nb::try_cast(given, numbers, false)) return numbers;
   if (!nb::try_cast(doubles_of(given, name, need), numbers, false)) refuse_type(name, given, need);
   return numbers;
+}
+
+/// Arrays (n, `vectors`, 3): the balls of a batch.
+inline Numbers balls_of(nb::handle given, const char* name, const char* need, std::size_t vectors) {
+  Numbers balls = numbers_of(given, name, need);
+  if (balls.ndim() != 3 || balls.shape(1) != vectors || balls.shape(2) != 3) {
+    refuse_type(name, given, need);
+  }
+  return balls;
 }
 
 }  // namespace carom

@@ -30,6 +30,16 @@ struct Lines {
   }
 };
 
+/// Lines of the vectors `first` to `end` of balls (n, vectors, 3), from line `at` on.
+template <class Value, std::size_t kCount, class Array>
+void set_vectors(Lines<Value, kCount>& lines, std::size_t at, const Array& balls, std::size_t first,
+                 std::size_t end) {
+  for (std::size_t row = first; row < end; ++row) {
+    Value* const start = balls.data() + static_cast<std::int64_t>(row) * balls.stride(1);
+    lines.set(at + 3 * (row - first), 3, start, balls.stride(2), balls.stride(0));
+  }
+}
+
 using Inputs = Lines<const double, 18>;
 using Outputs = Lines<double, 12>;
 using CushionInputs = Lines<const double, 8>;

@@ -62,16 +62,6 @@ using Motion = nb::ndarray<const double, nb::shape<2, 3>, nb::c_contig, nb::devi
 using MotionPlace = nb::ndarray<double, nb::shape<2, 3>, nb::c_contig, nb::device::cpu>;
 using Normal = nb::ndarray<const double, nb::shape<2>, nb::c_contig, nb::device::cpu>;
 
-// An array of a fixed shape; lists are converted.
-template <class Array>
-Array array_of(nb::handle given, const char* name, const char* need) {
-  Array array;
-  if (nb::try_cast(given, array, false)) return array;
-  const nb::object converted = doubles_of(given, name, need);
-  if (!nb::try_cast(converted, array, false)) refuse_type(name, shown_of(given, converted), need);
-  return array;
-}
-
 const CushionParameters& cushion_parameters_of(nb::handle given) {
   CushionParameters* found = nullptr;
   if (!nb::try_cast(given, found, false) || found == nullptr) {
@@ -85,22 +75,9 @@ void make(CushionKernel* self, nb::handle model, nb::handle max_error, nb::handl
   new (self) CushionKernel(request_of(model, max_error, steps, target));
 }
 
-// Lines of six numbers that lie in an array (n, 2, 3).
-template <class Value, std::size_t kCount, class Array>
-void set_motions(Lines<Value, kCount>& lines, const Array& balls) {
-  for (std::size_t row = 0; row < 2; ++row) {
-    Value* const start = balls.data() + static_cast<std::int64_t>(row) * balls.stride(1);
-    lines.set(3 * row, 3, start, balls.stride(2), balls.stride(0));
-  }
-}
-
 }  // namespace
 
-CushionKernel::CushionKernel(const Request& request)
-    : request_(checked(request)),
-      row_(find_cushion_row(request_)),
-      steps_(request_.steps.value_or(0)),
-      empty_(nb::module_::import_("numpy").attr("empty")) {}
+CushionKernel::CushionKernel(const Request& request) : RowKernel(request, &find_cushion_row, 2) {}
 
 int CushionKernel::one(const CushionParameters& p, const double* ball, const double* normal,
                        double* out) const {
@@ -113,7 +90,7 @@ nb::tuple CushionKernel::collide(nb::handle parameters, nb::handle ball, nb::han
   const auto motion =
       array_of<Motion>(ball, "ball", "numbers of shape (2, 3): velocity and angular velocity");
   const auto into = array_of<Normal>(normal, "normal", "two numbers: level, into the cushion");
-  const nb::object after = empty_(shape_);
+  const nb::object after = new_ball();
   const auto place = nb::cast<MotionPlace>(after);
   std::optional<nb::gil_scoped_release> release;
   if (steps_ >= kLongSteps) release.emplace();
@@ -125,29 +102,15 @@ nb::tuple CushionKernel::collide(nb::handle parameters, nb::handle ball, nb::han
 nb::tuple CushionKernel::collide_batch(nb::handle parameters, nb::handle columns, nb::handle u_w,
                                        nb::handle out, nb::handle status) const {
   const CushionParameters& p = cushion_parameters_of(parameters);
-  const Numbers given = numbers_of(columns, "columns", kColumns);
-  if (given.ndim() != 2) refuse_type("columns", columns, kColumns);
-  const bool rows = given.shape(0) != 8;
-  if (rows && given.shape(1) != 8) refuse_type("columns", columns, kColumns);
-  const std::size_t n = given.shape(rows ? 0 : 1), across = rows ? n : 6, along = rows ? 6 : n;
-  Places places;
-  const nb::object to = table_for(out, spare_out_, across, along, places);
-  const nb::object marks = statuses_for(status, spare_statuses_, n);
-  CushionInputs in;
-  CushionOutputs results;
-  in.set(0, 8, given.data(), given.stride(rows ? 1 : 0), given.stride(rows ? 0 : 1));
-  results.set(0, 6, places.data(), places.stride(rows ? 1 : 0), places.stride(rows ? 0 : 1));
-  batch(p, u_w, in, results, nb::cast<Statuses>(marks));
-  return nb::make_tuple(to, marks);
+  return through_table<8, 6>("columns", columns, kColumns, out, status,
+                             [&](const CushionInputs& in, const CushionOutputs& to,
+                                 const Statuses& marks) { batch(p, u_w, in, to, marks); });
 }
 
 nb::tuple CushionKernel::collide_balls(nb::handle parameters, nb::handle balls, nb::handle normals,
                                        nb::handle u_w, nb::handle status) const {
   const CushionParameters& p = cushion_parameters_of(parameters);
-  const Numbers given = numbers_of(balls, "balls", kBalls);
-  if (given.ndim() != 3 || given.shape(1) != 2 || given.shape(2) != 3) {
-    refuse_type("balls", balls, kBalls);
-  }
+  const Numbers given = balls_of(balls, "balls", kBalls, 2);
   const Numbers into = numbers_of(normals, "normals", kNormals);
   const std::size_t n = given.shape(0);
   if (into.ndim() != 2 || into.shape(1) != 2) refuse_type("normals", normals, kNormals);
@@ -160,30 +123,20 @@ nb::tuple CushionKernel::collide_balls(nb::handle parameters, nb::handle balls, 
   const nb::object marks = statuses_for(status, spare_statuses_, n);
   CushionInputs in;
   CushionOutputs results;
-  set_motions(in, given);
+  set_vectors(in, 0, given, 0, 2);
   in.set(6, 2, into.data(), into.stride(1), into.stride(0));
-  set_motions(results, places);
+  set_vectors(results, 0, places, 0, 2);
   batch(p, u_w, in, results, nb::cast<Statuses>(marks));
   return nb::make_tuple(to, marks);
 }
 
 void CushionKernel::batch(CushionParameters p, nb::handle u_w, const CushionInputs& in,
                           const CushionOutputs& out, Statuses status) const {
-  const std::size_t n = status.shape(0);
-  std::optional<Numbers> each;
-  if (!u_w.is_none() && is_single(u_w)) {
-    p.u_w = number_of(u_w, "u_w");
-    require_in_ranges(p);
-  } else if (!u_w.is_none()) {
-    each = each_of(u_w, "u_w", n);
-  }
-  const double* const friction = each ? each->data() : nullptr;
-  const nb::gil_scoped_release release;
-  in_blocks(in, out, n,
-            [&](std::size_t first, std::size_t count, const auto& from, const auto& to) {
-              run(p, friction != nullptr ? friction + first : nullptr, count, from, to,
-                  status.data() + first);
-            });
+  const std::optional<Numbers> each =
+      frictions(p, &CushionParameters::u_w, "u_w", u_w, status.shape(0));
+  run_unlocked(each, in, out, status,
+               [&](const double* friction, std::size_t n, const auto& from, const auto& to,
+                   unsigned char* marks) { run(p, friction, n, from, to, marks); });
 }
 
 void CushionKernel::run(const CushionParameters& p, const double* u_w, std::size_t n,

@@ -4,13 +4,8 @@
 
 #include <array>
 #include <cstddef>
-#include <memory>
-#include <optional>
-#include <string>
 
-#include "columns.h"
-#include "request.h"
-#include "results.h"
+#include "row_kernel.h"
 
 namespace carom {
 
@@ -18,22 +13,9 @@ namespace carom {
 const CushionParameters& require_in_ranges(const CushionParameters& p);
 std::array<double, kCushionRangeCount> values_of(const CushionParameters& p);
 
-class CushionKernel {
+class CushionKernel : public RowKernel<CushionRow> {
  public:
   explicit CushionKernel(const Request& request);
-
-  const Request& request() const { return request_; }
-  const char* model() const { return row_.model; }
-  const char* target() const { return row_.target; }
-  const char* name() const { return row_.functions.name(); }
-  int lanes() const { return steps_ == row_.steps ? row_.lanes : 1; }
-  std::optional<int> steps() const { return steps_ > 0 ? std::optional(steps_) : std::nullopt; }
-  std::optional<double> max_error() const {
-    return row_.budget > 0.0 ? std::optional(row_.budget) : std::nullopt;
-  }
-  bool operator==(const CushionKernel& other) const {
-    return &row_ == &other.row_ && steps_ == other.steps_;
-  }
 
   nb::tuple collide(nb::handle parameters, nb::handle ball, nb::handle normal) const;
   /// `columns`: (8, n), or (n, 8), whose results are (n, 6).
@@ -50,14 +32,6 @@ class CushionKernel {
   void run(const CushionParameters& p, const double* u_w, std::size_t n,
            const std::array<const double*, 8>& in, const std::array<double*, 6>& out,
            unsigned char* status) const;
-
-  Request request_;
-  const CushionRow& row_;
-  int steps_;
-  Memory spare_out_ = std::make_shared<Spare>();
-  Memory spare_statuses_ = std::make_shared<Spare>();
-  nb::object empty_;
-  nb::tuple shape_ = nb::make_tuple(2, 3);
 };
 
 void bind_cushion_parameters(nb::module_& m);

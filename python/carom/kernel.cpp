@@ -24,34 +24,6 @@ const Row* unequal_row(const Row& equal) {
   return nullptr;
 }
 
-// The friction of each of n collisions; nullptr where there is one for all, which goes to `p`.
-std::optional<Numbers> frictions(Parameters& p, nb::handle given, std::size_t n) {
-  if (given.is_none()) return std::nullopt;
-  if (is_single(given)) {
-    p.u_b = number_of(given, "u_b");
-    require_in_ranges(p);
-    return std::nullopt;
-  }
-  return each_of(given, "u_b", n);
-}
-
-// The lines of a ball of n each: nine numbers, or its six velocities alone.
-template <std::size_t kFirst, class Value, std::size_t kCount, class Array>
-void set_ball(Lines<Value, kCount>& lines, std::size_t at, const Array& balls) {
-  for (std::size_t row = kFirst; row < 3; ++row) {
-    Value* const start = balls.data() + static_cast<std::int64_t>(row) * balls.stride(1);
-    lines.set(at + 3 * (row - kFirst), 3, start, balls.stride(2), balls.stride(0));
-  }
-}
-
-Numbers balls_of(nb::handle given, const char* name) {
-  Numbers balls = numbers_of(given, name, kPairs);
-  if (balls.ndim() != 3 || balls.shape(1) != 3 || balls.shape(2) != 3) {
-    refuse_type(name, given, kPairs);
-  }
-  return balls;
-}
-
 // A collision moves no ball.
 void copy_places(const Numbers& from, const Places& to) {
   for (std::size_t i = 0; i < from.shape(0); ++i) {
@@ -65,11 +37,7 @@ void copy_places(const Numbers& from, const Places& to) {
 }  // namespace
 
 Kernel::Kernel(const Request& request)
-    : request_(checked(request)),
-      row_(find_row(request_)),
-      unequal_(unequal_row(row_)),
-      steps_(request_.steps.value_or(0)),
-      empty_(nb::module_::import_("numpy").attr("empty")) {}
+    : RowKernel(request, &find_row, 3), unequal_(unequal_row(row_)) {}
 
 const Row& Kernel::row_for(const Parameters& p) const {
   if (!is_unequal(p)) return row_;
@@ -95,7 +63,7 @@ int Kernel::one_call(const Parameters& p, const double* ball1, const double* bal
 nb::tuple Kernel::collide(nb::handle parameters, nb::handle ball1, nb::handle ball2) const {
   const Parameters& p = parameters_of(parameters);
   const BallArray one = ball_of(ball1, "ball1"), two = ball_of(ball2, "ball2");
-  const nb::object both1 = empty_(shape_), both2 = empty_(shape_);
+  const nb::object both1 = new_ball(), both2 = new_ball();
   const auto out1 = nb::cast<BallPlace>(both1), out2 = nb::cast<BallPlace>(both2);
   const int status = one_call(p, one.data(), two.data(), out1.data(), out2.data());
   return nb::make_tuple(both1, both2, static_cast<Status>(status));
@@ -112,26 +80,17 @@ Status Kernel::collide_into(nb::handle parameters, nb::handle ball1, nb::handle 
 nb::tuple Kernel::collide_batch(nb::handle parameters, nb::handle balls, nb::handle u_b,
                                 nb::handle out, nb::handle status) const {
   const Parameters& p = parameters_of(parameters);
-  const Numbers given = numbers_of(balls, "balls", kBalls);
-  if (given.ndim() != 2) refuse_type("balls", balls, kBalls);
-  const bool rows = given.shape(0) != 18;
-  if (rows && given.shape(1) != 18) refuse_type("balls", balls, kBalls);
-  const std::size_t n = given.shape(rows ? 0 : 1), across = rows ? n : 12, along = rows ? 12 : n;
-  Places places;
-  const nb::object to = table_for(out, spare_out_, across, along, places);
-  const nb::object marks = statuses_for(status, spare_statuses_, n);
-  Inputs in;
-  Outputs results;
-  in.set(0, 18, given.data(), given.stride(rows ? 1 : 0), given.stride(rows ? 0 : 1));
-  results.set(0, 12, places.data(), places.stride(rows ? 1 : 0), places.stride(rows ? 0 : 1));
-  batch(p, u_b, in, results, nb::cast<Statuses>(marks));
-  return nb::make_tuple(to, marks);
+  return through_table<18, 12>("balls", balls, kBalls, out, status,
+                               [&](const Inputs& in, const Outputs& to, const Statuses& marks) {
+                                 batch(p, u_b, in, to, marks);
+                               });
 }
 
 nb::tuple Kernel::collide_pairs(nb::handle parameters, nb::handle ball1, nb::handle ball2,
                                 nb::handle u_b, nb::handle status) const {
   const Parameters& p = parameters_of(parameters);
-  const Numbers one = balls_of(ball1, "ball1"), two = balls_of(ball2, "ball2");
+  const Numbers one = balls_of(ball1, "ball1", kPairs, 3);
+  const Numbers two = balls_of(ball2, "ball2", kPairs, 3);
   const std::size_t n = one.shape(0);
   if (two.shape(0) != n) {
     refuse_value("ball2: expected as many balls as ball1 has, " + std::to_string(n) + "; " +
@@ -143,10 +102,10 @@ nb::tuple Kernel::collide_pairs(nb::handle parameters, nb::handle ball1, nb::han
   const nb::object marks = statuses_for(status, spare_statuses_, n);
   Inputs in;
   Outputs results;
-  set_ball<0>(in, 0, one);
-  set_ball<0>(in, 9, two);
-  set_ball<1>(results, 0, places1);
-  set_ball<1>(results, 6, places2);
+  set_vectors(in, 0, one, 0, 3);
+  set_vectors(in, 9, two, 0, 3);
+  set_vectors(results, 0, places1, 1, 3);
+  set_vectors(results, 6, places2, 1, 3);
   copy_places(one, places1);
   copy_places(two, places2);
   batch(p, u_b, in, results, nb::cast<Statuses>(marks));
@@ -155,16 +114,11 @@ nb::tuple Kernel::collide_pairs(nb::handle parameters, nb::handle ball1, nb::han
 
 void Kernel::batch(Parameters p, nb::handle u_b, const Inputs& in, const Outputs& out,
                    Statuses status) const {
-  const std::size_t n = status.shape(0);
-  const std::optional<Numbers> each = frictions(p, u_b, n);
+  const std::optional<Numbers> each = frictions(p, &Parameters::u_b, "u_b", u_b, status.shape(0));
   const Row& row = row_for(p);
-  const double* const friction = each ? each->data() : nullptr;
-  const nb::gil_scoped_release release;
-  in_blocks(in, out, n,
-            [&](std::size_t first, std::size_t count, const auto& from, const auto& to) {
-              run(row, p, friction != nullptr ? friction + first : nullptr, count, from, to,
-                  status.data() + first);
-            });
+  run_unlocked(each, in, out, status,
+               [&](const double* friction, std::size_t n, const auto& from, const auto& to,
+                   unsigned char* marks) { run(row, p, friction, n, from, to, marks); });
 }
 
 void Kernel::run(const Row& row, const Parameters& p, const double* u_b, std::size_t n,

@@ -5,33 +5,14 @@
 #include <array>
 #include <cstddef>
 #include <memory>
-#include <optional>
-#include <string>
 
-#include "arguments.h"
-#include "columns.h"
-#include "kernel_table.h"
-#include "request.h"
-#include "results.h"
+#include "row_kernel.h"
 
 namespace carom {
 
-class Kernel {
+class Kernel : public RowKernel<Row> {
  public:
   explicit Kernel(const Request& request);
-
-  const Request& request() const { return request_; }
-  const char* model() const { return row_.model; }
-  const char* target() const { return row_.target; }
-  const char* name() const { return row_.functions.name(); }
-  int lanes() const { return steps_ == row_.steps ? row_.lanes : 1; }
-  std::optional<int> steps() const { return steps_ > 0 ? std::optional(steps_) : std::nullopt; }
-  std::optional<double> max_error() const {
-    return row_.budget > 0.0 ? std::optional(row_.budget) : std::nullopt;
-  }
-  bool operator==(const Kernel& other) const {
-    return &row_ == &other.row_ && steps_ == other.steps_;
-  }
 
   nb::tuple collide(nb::handle parameters, nb::handle ball1, nb::handle ball2) const;
   Status collide_into(nb::handle parameters, nb::handle ball1, nb::handle ball2, nb::handle out1,
@@ -55,15 +36,8 @@ class Kernel {
            const std::array<const double*, 18>& in, const std::array<double*, 12>& out,
            unsigned char* status) const;
 
-  Request request_;
-  const Row& row_;
   const Row* unequal_;  // for balls of two masses, or nullptr
-  int steps_;
-  Memory spare_out_ = std::make_shared<Spare>();
   Memory spare_out2_ = std::make_shared<Spare>();
-  Memory spare_statuses_ = std::make_shared<Spare>();
-  nb::object empty_;
-  nb::tuple shape_ = nb::make_tuple(3, 3);
 };
 
 void bind_kernel(nb::module_& m);
