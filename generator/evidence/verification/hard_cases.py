@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError
+from .case_table import read_table
 from .errors import Array, Measure, nudged
 
 NEIGHBOURS = 32  # of a case, itself the first
@@ -16,15 +15,8 @@ NEIGHBOURS = 32  # of a case, itself the first
 
 def load_hard(path: Path, names: Sequence[str]) -> tuple[tuple[str, ...], Array]:
     """Kinds and rows; any model may meet them. InputError names the file and the reason."""
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            records = list(csv.DictReader(file))
-        rows = [[float.fromhex(record[name]) for name in names] for record in records]
-        kinds = tuple(record["kind"] for record in records)
-    except (OSError, KeyError, TypeError, ValueError) as error:
-        wanted = f"expected a kind and {len(names)} hexadecimal floats"
-        raise InputError(f"{path}: {error!r}; {wanted}") from None
-    return kinds, np.array(rows).reshape(-1, len(names))
+    table = read_table(path, ("kind", *names), may_be_empty=True)
+    return table.texts("kind"), table.numbers(names)
 
 
 def neighbours(cases: Array, measure: Measure) -> Array:
