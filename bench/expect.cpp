@@ -29,15 +29,16 @@ unsigned thread_count(unsigned wanted) {
   return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency());
 }
 
-// Cases differ a lot in effort, so threads take the next few as they come.
-void solve_all(const Solve& solve, const std::vector<CaseRow>& cases, unsigned threads,
+// Cases differ a lot in effort, so threads take the next few as they come; more at once where there
+// are many, since some oracles solve them side by side.
+void solve_all(const SolveAll& solve, const std::vector<CaseRow>& cases, unsigned threads,
                std::vector<ExpectedRow>* expected) {
-  constexpr std::size_t kChunk = 16;
+  constexpr std::size_t kLeast = 16, kMost = 1024, kTurns = 8;
+  const std::size_t chunk = std::clamp(cases.size() / (kTurns * threads), kLeast, kMost);
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
-    for (std::size_t at; (at = next.fetch_add(kChunk)) < cases.size();) {
-      const std::size_t end = std::min(at + kChunk, cases.size());
-      for (std::size_t i = at; i < end; ++i) (*expected)[i] = solve(cases[i]);
+    for (std::size_t at; (at = next.fetch_add(chunk)) < cases.size();) {
+      solve(&cases[at], std::min(chunk, cases.size() - at), &(*expected)[at]);
     }
   };
   std::vector<std::thread> team;
@@ -51,7 +52,7 @@ void solve_all(const Solve& solve, const std::vector<CaseRow>& cases, unsigned t
 void expect(const Expect& options) {
   Asked asked = options.asked;
   for (const std::string& text : options.more) asked.more.insert(parse_more(text));
-  const Solve solve = solver(asked);
+  const SolveAll solve = solver(asked);
   const std::vector<CaseRow> cases = read_case_rows(options.cases);
   std::vector<ExpectedRow> expected(cases.size());
   solve_all(solve, cases, thread_count(options.threads), &expected);

@@ -34,8 +34,17 @@ struct Asked {
 
 using Solve = std::function<ExpectedRow(const CaseRow&)>;
 
+/// What must come out of `n` cases.
+using SolveAll = std::function<void(const CaseRow* cases, std::size_t n, ExpectedRow* expected)>;
+
+inline SolveAll each(const Solve& solve) {
+  return [solve](const CaseRow* cases, std::size_t n, ExpectedRow* expected) {
+    for (std::size_t i = 0; i < n; ++i) expected[i] = solve(cases[i]);
+  };
+}
+
 /// The oracle that is asked for. Throws std::runtime_error with one line that names what is wrong.
-Solve solver(const Asked& asked);
+SolveAll solver(const Asked& asked);
 
 }  // namespace carom_bench
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -17,19 +16,17 @@ from ..evidence.challenge.document import document
 from ..evidence.challenge.kept import keep as keep_cases
 from ..evidence.challenge.place import search_of
 from ..evidence.challenge.search import Limits, Result, Subject, search_all
-from ..evidence.profiling.counting import count_operations
+from ..evidence.profiling.counting import count_evaluations
 from ..evidence.verification.errors import Array
 from ..evidence.verification.evidence import evidence_of
 from ..registry.names import name_of
 from ..registry.question import DEFAULT_IMPACT, find_impact
 from ..registry.variant import Variant
-from ..steppers.budgets import TIGHTEST
 from ..targets.target import find_target
 from .request import Request, kernel_named
 from .session import Session, resolve_target
 
 Extent = Literal["real", "scene"]
-_WITNESSED = 1000  # times the tightest budget: from there on its kernel tells errors apart
 MOST_EVALUATIONS = 2**62  # where the time alone ends a search
 _BUDGETS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-9)  # of `everything`
 
@@ -117,7 +114,6 @@ def challenge(
     with session.workbench(target=resolved, impact=wanted[0][0].question.row) as bench:
         for variant, batch in wanted:
             subject = _subject(bench, variant, batch, asked.extent)
-            subject = replace(subject, witness=_witness(bench, session, variant))
             found = search_all(subject, asked.limits(), asked.seed)
             told = document(variant, subject, asked.seed, host.cpu, found)
             yield Challenged(told["kernel"], subject, asked.seed, tuple(found), told)
@@ -139,24 +135,6 @@ def _named(kernel: str, session: Session) -> Variant:
     return variant
 
 
-def _witness(bench: Workbench, session: Session, variant: Variant) -> Path | None:
-    """The kernel for the tightest budget, where that is far below the variant's."""
-    budget, asked = variant.stepper.budget, variant.question
-    far = budget is not None and budget >= _WITNESSED * TIGHTEST
-    carries = asked.known_scene.precision != "float"  # floats carry no kernel as tight
-    if not (far and carries and search_of(asked.row).witness):
-        return None
-    best = Request(
-        target=variant.target,
-        scene=asked.scene,
-        model=variant.model,
-        max_error=TIGHTEST,
-        impact=asked.row.name,
-    ).resolved()
-    exact = with_compiler_found(best.kernel(session), dict(bench.compilers))
-    return bench.built(exact, find_target(exact.target)).library.path
-
-
 def _subject(bench: Workbench, variant: Variant, batch: bool, extent: Extent) -> Subject:
     budget = variant.stepper.budget
     if budget is None:
@@ -166,10 +144,8 @@ def _subject(bench: Workbench, variant: Variant, batch: bool, extent: Extent) ->
     cache = bench.cache / "kernels"
 
     def count(cases: Array) -> Array:
-        counted = count_operations(
-            candidate.source, candidate.compiler, candidate.flags, cases, cache
-        )
-        return np.array(counted.each, dtype=np.float64)
+        own = (candidate.source, candidate.compiler, candidate.flags)
+        return np.array(count_evaluations(*own, cases, cache), dtype=np.float64)
 
     asked = variant.question
     within = search_of(asked.row).envelope(asked.known_scene, asked.model, extent)

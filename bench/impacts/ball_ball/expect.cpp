@@ -1,7 +1,11 @@
 // What must come out of a collision of two balls, by the oracles of tests/oracle/ball_ball.
+#include <cstddef>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "exact_lanes.h"
 #include "exact_solver.h"
 #include "fixed_step.h"
 #include "impact.h"
@@ -29,13 +33,36 @@ ExpectedRow expected_row(const Outcome& outcome, double mark) {
   return row;
 }
 
-template <class Real>
-ExpectedRow solve_exactly(const CaseRow& row, carom_oracle::Model model, double mass_ratio) {
+carom_oracle::Params oracle_params(const CaseRow& row, double mass_ratio) {
   carom_oracle::Params params = oracle_params(row);
   params.M1_over_M2 = mass_ratio;
-  const auto outcome =
-      carom_oracle::solve_exact_as<Real>(params, model, &row[kBall1], &row[kBall2]);
+  return params;
+}
+
+ExpectedRow solve_exactly(const CaseRow& row, carom_oracle::Model model, double mass_ratio) {
+  const auto outcome = carom_oracle::solve_exact_as<long double>(oracle_params(row, mass_ratio),
+                                                                 model, &row[kBall1], &row[kBall2]);
   return expected_row(outcome, outcome.sticks ? kSticks : 0);
+}
+
+using RatioOf = std::function<double(const CaseRow&)>;
+
+// In lanes of doubles; in long double what took so many steps that rounding may have added up.
+void screen(const CaseRow* cases, std::size_t n, carom_oracle::Model model, const RatioOf& ratio_of,
+            ExpectedRow* expected) {
+  std::vector<carom_oracle::detail::Collision<double>> collisions;
+  collisions.reserve(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const carom_oracle::Params params = oracle_params(cases[i], ratio_of(cases[i]));
+    collisions.emplace_back(params, model, &cases[i][kBall1], &cases[i][kBall2]);
+  }
+  carom_oracle::run_in_lanes(&collisions);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto outcome = collisions[i].outcome();
+    expected[i] = collisions[i].took_many_steps()
+                      ? solve_exactly(cases[i], model, ratio_of(cases[i]))
+                      : expected_row(outcome, outcome.sticks ? kSticks : 0);
+  }
 }
 
 // A number that was set, which must be above 0; 0: it was not.
@@ -47,20 +74,19 @@ double positive(const Asked& asked, const std::string& name) {
 }
 
 // `mass_ratio`: of ball 1 to ball 2; `mass1`: of ball 1 in kg, where M is that of ball 2.
-Solve exact_solver(const Asked& options, carom_oracle::Model model) {
+SolveAll exact_solver(const Asked& options, carom_oracle::Model model) {
   const double given = positive(options, "mass_ratio"), mass1 = positive(options, "mass1");
   const double ratio = given > 0 ? given : 1;
-  const auto ratio_of = [ratio, mass1](const CaseRow& row) {
+  const RatioOf ratio_of = [ratio, mass1](const CaseRow& row) {
     return mass1 > 0 ? mass1 / row[kM] : ratio;
   };
   if (options.method == "screen") {
-    return [model, ratio_of](const CaseRow& row) {
-      return solve_exactly<double>(row, model, ratio_of(row));
+    return [model, ratio_of](const CaseRow* cases, std::size_t n, ExpectedRow* expected) {
+      screen(cases, n, model, ratio_of, expected);
     };
   }
-  return [model, ratio_of](const CaseRow& row) {
-    return solve_exactly<long double>(row, model, ratio_of(row));
-  };
+  return each(
+      [model, ratio_of](const CaseRow& row) { return solve_exactly(row, model, ratio_of(row)); });
 }
 
 ExpectedRow solve_by_steps(const CaseRow& row, carom_oracle::Model model, long steps) {
@@ -83,7 +109,7 @@ void check_names(const Asked& asked) {
 
 }  // namespace
 
-Solve solver(const Asked& asked) {
+SolveAll solver(const Asked& asked) {
   const carom_oracle::Model model = carom_oracle::model_by_name(asked.model);
   check_names(asked);
   if (asked.method == "exact" || asked.method == "screen") return exact_solver(asked, model);
@@ -92,7 +118,7 @@ Solve solver(const Asked& asked) {
   }
   if (asked.steps < 1) throw std::runtime_error("--steps: expected at least 1");
   const long steps = asked.steps;
-  return [model, steps](const CaseRow& row) { return solve_by_steps(row, model, steps); };
+  return each([model, steps](const CaseRow& row) { return solve_by_steps(row, model, steps); });
 }
 
 }  // namespace carom_bench

@@ -80,9 +80,9 @@ Solve step_solver(const Asked& asked, oracle::Model model) {
 
 }  // namespace
 
-Solve solver(const Asked& asked) {
+SolveAll solver(const Asked& asked) {
   const oracle::Model model = oracle::model_by_name(asked.model);
-  if (asked.method == "euler") return step_solver(asked, model);
+  if (asked.method == "euler") return each(step_solver(asked, model));
   if (asked.method != "exact" && asked.method != "screen") {
     throw std::runtime_error("--method " + asked.method + ": expected exact, screen or euler");
   }
@@ -93,7 +93,7 @@ Solve solver(const Asked& asked) {
     throw std::runtime_error("--method " + asked.method +
                              ": model pooltool has fixed steps alone; expected euler");
   }
-  return asked.method == "exact" ? exact_solver(model) : screen_solver(model);
+  return each(asked.method == "exact" ? exact_solver(model) : screen_solver(model));
 }
 
 }  // namespace carom_bench

@@ -15,8 +15,6 @@ from ..verification.evidence import evidence_of
 from .place import Search, Within, search_of
 
 _NUDGES = 16
-_DOUBT = 0.7  # of what is allowed: from here on the oracle judges
-_SAMPLED = 16  # and one in so many, whatever the witness says
 _TIMEOUT = 300.0
 # What a few roundings of a case may make of a result, in what one of them does.
 ROUNDINGS = 16.0
@@ -40,7 +38,6 @@ class Judge:
     within: Within
     budget: float
     batch: bool
-    witness: Path | None = None  # a kernel of a far tighter budget, called one by one
     evaluations: int = field(default=0)
 
     @property
@@ -60,31 +57,13 @@ class Judge:
         return self.tool.run_kernel(self.library, cases, batch=self.batch, timeout=_TIMEOUT)
 
     def answers(self, cases: Array, method: Method = "screen") -> Answers:
-        """`screen`: the oracle in double, to search by; `exact`: in long double, to confirm.
-
-        With a witness the oracle is asked to screen only what that finds large, and a sample.
-        """
-        got = self.run(cases)
-        if method == "screen" and self.witness is not None:
-            want = self._by_witness(self.witness, cases, got)
-        else:
-            want = self.expect(cases, method)
+        """`screen`: the oracle in double, to search by; `exact`: in long double, to confirm."""
+        got, want = self.run(cases), self.expect(cases, method)
         self.evaluations += len(cases)
         error = self.measure.errors_of(cases, got, want).relative
         status = self.columns.status
         error = np.where(got[:, status] == want[:, status], error, np.inf)
         return Answers(got, want, error, error / self.allowed(cases))
-
-    def _by_witness(self, witness: Path, cases: Array, got: Array) -> Array:
-        """What must come out, by the witness; by the oracle where that would be far off."""
-        want = self.tool.run_kernel(witness, cases, timeout=_TIMEOUT)
-        status = self.columns.status
-        error = self.measure.errors_of(cases, got, want).relative
-        computed = (got[:, status] == 0) & (want[:, status] == 0)  # neither is a refusal
-        asked = ~(error <= _DOUBT * self.allowed(cases)) | ~computed
-        asked[::_SAMPLED] = True
-        want[asked] = self.expect(cases[asked], "screen")[:, : want.shape[1]]
-        return want
 
     def expect(self, cases: Array, method: Method) -> Array:
         more = self.within.scene.oracle_options

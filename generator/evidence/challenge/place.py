@@ -61,7 +61,6 @@ class Search:
     energy: Callable[[Any, Array, Array], Array]  # kinetic, of cases that move with velocities
     gains_energy: Callable[[str], bool]  # does a contact model itself make energy grow?
     words: Callable[[Array], str]  # where a case lies, in short
-    witness: bool = True  # may the kernel of the tightest budget screen cases for the oracle?
 
 
 def search_of(impact: Impact) -> Search:

@@ -36,11 +36,9 @@ class Subject:
     budget: float
     batch: bool
     count: Callable[[Array], Array] | None = None  # evaluations that it makes for each case
-    witness: Path | None = None  # a kernel that is far more exact, by which a search screens
 
     def judge(self) -> Judge:
-        own = (self.library, self.within, self.budget, self.batch)
-        return Judge(self.tool, *own, witness=self.witness)
+        return Judge(self.tool, self.library, self.within, self.budget, self.batch)
 
 
 @dataclass(frozen=True)

@@ -95,8 +95,16 @@ def _counter(name: str, region: str = "", *condition: str) -> str:
     }[name]
 
 
-def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
-    """Files of a library with `carom_count`. `apart`: roots' own operations are left out."""
+def _evaluation(name: str, *arguments: str) -> str:
+    """What counts in place of a mark where evaluations alone are counted."""
+    return _counter(name, *arguments) if name in ("declare", "evaluation") else ""
+
+
+def counting_sources(source: KernelSource, apart: bool, operations: bool = True) -> dict[str, str]:
+    """Files of a library with `carom_count`.
+
+    `apart`: roots' own operations are left out; without `operations` there are evaluations alone.
+    """
     asked = source.variant.question
     words = asked.row.words()
     values = {
@@ -108,11 +116,15 @@ def counting_sources(source: KernelSource, apart: bool) -> dict[str, str]:
         "width": len(asked.row.columns.case),
     }
     render = {
-        name: environment().get_template(f"counting/{name}.j2").render(**values)
-        for name in ("counted.h", "count.cpp")
+        name: environment().get_template(f"counting/{template}.j2").render(**values)
+        for name, template in (
+            ("counted.h", "counted.h" if operations else "uncounted.h"),
+            ("count.cpp", "count.cpp"),
+        )
     }
+    text = instrumented(source.marked) if operations else filled(source.marked, _evaluation)
     # Only count.cpp is compiled: the kernel is included in it.
-    kernel = {"carom.h": source.header, "kernel.inc": instrumented(source.marked)}
+    kernel = {"carom.h": source.header, "kernel.inc": text}
     return {**kernel, **render}
 
 
@@ -132,6 +144,20 @@ def count_operations(
     sources = counting_sources(source, apart)
     library = build_library(sources, (), compiler, (*flags, "-w"), cache_folder, "counting")
     return _counted(call_isolated("carom_count", library.path, cases, TIMEOUT), len(cases))
+
+
+def count_evaluations(
+    source: KernelSource,
+    compiler: Compiler,
+    flags: tuple[str, ...],
+    cases: Array,
+    cache_folder: Path,
+) -> tuple[int, ...]:
+    """Evaluations of the rates that a kernel makes for each case, at a kernel's own speed."""
+    sources = counting_sources(source, apart=False, operations=False)
+    library = build_library(sources, (), compiler, (*flags, "-w"), cache_folder, "counting")
+    counted = _counted(call_isolated("carom_count", library.path, cases, TIMEOUT), len(cases))
+    return counted.each
 
 
 def _counts(values: list[int]) -> OperationCounts:

@@ -66,5 +66,4 @@ SEARCH = Search(
     energy=kinetic_energy,
     gains_energy=lambda model: not find_model(model).terms.clamped,
     words=_words,
-    witness=False,  # what is wrong beyond real use is so at every budget: the oracle sees it alone
 )
