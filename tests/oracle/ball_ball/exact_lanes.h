@@ -1,5 +1,5 @@
-// Many collisions of two balls at once, in lanes of doubles: as solve_exact_as<double>, in a third of
-// the time. The series of a step are expanded for all lanes together; everything else of a
+// Many collisions of two balls at once, in lanes of doubles: as solve_exact_as<double>, in a third
+// of the time. The series of a step are expanded for all lanes together; everything else of a
 // collision is done by itself, and a lane whose collision is over takes the next.
 #ifndef CAROM_TESTS_ORACLE_EXACT_LANES_H_
 #define CAROM_TESTS_ORACLE_EXACT_LANES_H_
