@@ -115,7 +115,7 @@ def variants_of(arguments: argparse.Namespace) -> dict[str, Variant]:
         made = made.in_lanes(arguments.lanes, **ways)
         return {"tiers": made.with_options(lane_tiers="fixed"), "adaptive": made, "paper": paper}
     return {
-        "tiers": made.with_options(tiers="fixed"),
+        "tiers": made.with_options(tiers=arguments.tiers),
         "adaptive": made,
         "paper": paper,
     }
@@ -171,6 +171,7 @@ def main() -> int:
     parser.add_argument("--target", help="default: this machine's")
     parser.add_argument("--compiler", default="gcc")
     parser.add_argument("--root", default="")
+    parser.add_argument("--tiers", choices=("fixed", "sticking"), default="fixed")
     parser.add_argument("--rounds", type=int, default=60)
     parser.add_argument("--lanes", type=int, default=1, help="of floats; default: single calls")
     arguments = parser.parse_args()

@@ -121,7 +121,7 @@ def exact_candidates(
         for root in _root_options(contest, closed, reproducible)
     ]
     if contest.row.axes is None or "tiers" in contest.row.axes:
-        found += [v.with_options(tiers="fixed") for v in found]
+        found += [v.with_options(tiers=kind) for kind in ("fixed", "sticking") for v in found]
     return [v for v in found if broken_rule(v, target) is None]
 
 

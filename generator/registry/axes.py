@@ -109,6 +109,7 @@ AXES: tuple[Axis, ...] = (
         "exact",
         adaptive="nothing",
         fixed="a few fixed steps, of those collisions that a certificate says they will do for",
+        sticking="the same, and fixed steps to where contact sticks",
     ),
     _axis(
         "fma",

@@ -257,6 +257,15 @@ RULES: tuple[Rule, ...] = (
         ),
     ),
     Rule(
+        "sticking-tiers-need-a-bound",
+        "no certificate of steps to where contact sticks is known for the model and the budget: "
+        "use tiers=fixed",
+        lambda v, _t: (
+            v.get("tiers") == "sticking"
+            and not _tiers(v).has_sticking(v.model, v.stepper.budget or 0.0)
+        ),
+    ),
+    Rule(
         "tiers-need-equal-balls",
         "fixed steps know equal masses in doubles, with table friction: use tiers=adaptive",
         lambda v, _t: _fixed(v, "tiers") and not _tiers(v).takes_fixed_steps(v.scene),

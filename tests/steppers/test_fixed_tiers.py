@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import re
+from collections.abc import Mapping
 from fractions import Fraction
 
 import numpy as np
@@ -17,8 +18,9 @@ from generator.impacts.ball_ball.masses import EQUAL, pressed_changes
 from generator.impacts.ball_ball.models import MODELS, find_model
 from generator.impacts.ball_ball.steppers.exact.pressed import Pressed
 from generator.impacts.ball_ball.steppers.tiers.lookup import bound_for
+from generator.impacts.ball_ball.steppers.tiers.sticking import rates
 from generator.impacts.ball_ball.steppers.tiers.whole import end_weights, stage, stage_alone
-from generator.impacts.ball_ball.tiers import has_bound
+from generator.impacts.ball_ball.tiers import has_bound, has_sticking
 from generator.registry.rules import broken_rule
 from generator.registry.variant import Stepper as Exact
 from generator.registry.variant import Variant, make_variant
@@ -77,6 +79,34 @@ def test_the_registry_knows_for_what_there_are_certificates(model) -> None:
         assert has_bound(model.name, budget) == (bound is not None), budget
 
 
+@pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
+def test_the_registry_knows_for_what_steps_into_sticking_are_known(model) -> None:
+    for budget in BUDGETS:
+        known = has_bound(model.name, budget) and bound_for(model.terms, budget).sticks is not None
+        assert has_sticking(model.name, budget) == known, budget
+
+
+def test_the_rates_into_sticking_are_those_of_the_equations() -> None:
+    """Along y, from the slips that t_x, t_y and r say; c_x by what r, bend and star make of it."""
+    pressed = Pressed.of(pressed_changes(find_model("mathavan2014").terms, EQUAL))
+    names = "r m on.star square on.size on.start.u_s steep wide on.along on.pull on.press"
+    at = {name: random.Random(name).uniform(0.1, 1) for name in names.split()}
+    found = _values(rates(pressed), at | {"per_m": 1 / at["m"], "kTinySquare": 0.0})
+    k_x, u_s = float(pressed.k_x), at["on.start.u_s"]
+    u_x, u_y = found["u_x"], found["u_y"]
+    falls = float(pressed.k_z) - float(pressed.k_zt) * u_s * u_y  # of log c_z, in w
+    ratio = at["r"] * at["m"] + at["on.star"]
+    slope = -(k_x - falls) * ratio - float(pressed.k_xt) * u_s * u_x  # of c_x / c_z, in w
+    bends = (at["on.along"] - 1) * falls * at["r"] * at["m"]  # what y^bend makes of it
+    pace = at["wide"] / falls
+    assert u_x**2 + u_y**2 == pytest.approx(1)
+    assert found["left"] == pytest.approx(at["square"] * at["on.size"])
+    assert found["d_t_x"] == pytest.approx(at["on.pull"] * u_x * pace)
+    assert found["d_t_y"] == pytest.approx(at["on.pull"] * u_y * pace)
+    assert found["d_q"] == pytest.approx(at["on.press"] * (1 + ratio**2) ** 0.5 * pace)
+    assert found["d_r"] == pytest.approx(at["steep"] * (slope + bends) / (falls * at["m"]))
+
+
 def test_the_length_of_one_step_is_exact_to_first_order() -> None:
     """Q of docs/fixed-tiers.md for friction that goes from f_0 to f_1 along the line of centres."""
     e, f_0, f_1, small = sp.symbols("e f_0 f_1 small", positive=True)
@@ -92,18 +122,26 @@ def test_the_length_of_one_step_is_exact_to_first_order() -> None:
     assert sp.simplify(off) == 0
 
 
-def _values(lines: tuple[str, ...]) -> dict[str, float]:
-    """What the C++ of a stage computes, of rates and slips that are drawn by their names."""
+def _values(lines: tuple[str, ...], given: Mapping[str, float] | None = None) -> dict[str, float]:
+    """What C++ computes of numbers that are given, or else drawn by their names."""
     found: dict[str, float] = {}
-    names = {"real": float, "fma": lambda a, b, c: a * b + c}
+    names = {
+        "real": float,
+        "fma": lambda a, b, c: a * b + c,
+        "rsqrt": lambda x: x**-0.5,
+        "near_inverse": lambda x: 1 / x,
+    }
     for line in lines:
-        match = re.fullmatch(r"const Real (\w+) = (.*);", line)
+        match = re.fullmatch(r"const Real (\w+) = (.*?);( +//.*)?|//.*", line)
         assert match is not None, line
+        if match[1] is None:
+            continue
         text = match[2]
-        for name in set(re.findall(r"\b[a-z]\w*(?:\.\w+)?", text)) - {"real", "fma"} - set(found):
+        for name in set(re.findall(r"\b[a-z]\w*(?:\.\w+)*", text)) - set(names) - set(found):
             if not name[0].isdigit():
                 drawn = random.Random(name).uniform(-1, 1)
-                text = re.sub(rf"\b{re.escape(name)}\b", f"({drawn!r})", text)
+                value = (given or {}).get(name, drawn)
+                text = re.sub(rf"(?<![\w.]){re.escape(name)}(?![\w.])", f"({value!r})", text)
         found[match[1]] = eval(text, names | found)
     return found
 
@@ -136,20 +174,21 @@ def test_fixed_steps_are_as_exact_as_adaptive_ones() -> None:
 
 
 @pytest.mark.parametrize(
-    ("model", "budget", "compiler"),
+    ("model", "budget", "compiler", "tiers"),
     [
-        ("mathavan2014", 1e-6, "gcc"),
-        ("mathavan2014", 1e-6, "clang"),
-        ("pooltool", 1e-6, "gcc"),
-        ("bottom_slip", 1e-3, "clang"),
-        ("pooltool", 1e-3, "gcc"),
+        ("mathavan2014", 1e-6, "gcc", "fixed"),
+        ("mathavan2014", 1e-6, "clang", "sticking"),
+        ("bottom_slip", 1e-6, "gcc", "sticking"),
+        ("pooltool", 1e-6, "gcc", "sticking"),
+        ("bottom_slip", 1e-3, "clang", "fixed"),
+        ("pooltool", 1e-3, "gcc", "fixed"),
     ],
 )
 def test_fixed_steps_of_single_calls_hold_the_budget(
-    model: str, budget: float, compiler: str
+    model: str, budget: float, compiler: str, tiers: str
 ) -> None:
     tool = bench_tool()
-    made = exact_variant(model, budget, compiler).with_options(tiers="fixed")
+    made = exact_variant(model, budget, compiler).with_options(tiers=tiers)
     cases = tool.make_cases(32, 20000, mixed=False)
     want = tool.expect(cases.rows, "screen", model)
     got = tool.run_kernel(built([made])[0], cases.rows)

@@ -10,10 +10,22 @@ _LEAST = {
     "pooltool": 1e-6,
 }  # the tightest budget of a model's certificates
 
+_STICKING = {
+    "mathavan2014": (1e-6, 1e-3),
+    "bottom_slip": (1e-6, 1e-3),
+    "pooltool": (1e-6, 1e-3),
+}  # the budgets of certificates for steps to where contact sticks: from, and below
+
 
 def has_bound(model: str, budget: float) -> bool:
     """Is there a certificate for a model and a budget?"""
     return model in _LEAST and budget >= _LEAST[model]
+
+
+def has_sticking(model: str, budget: float) -> bool:
+    """Is there a certificate of steps to where contact sticks?"""
+    least, below = _STICKING.get(model, (1.0, 0.0))
+    return least <= budget < below
 
 
 def takes_fixed_steps(scene: str) -> bool:

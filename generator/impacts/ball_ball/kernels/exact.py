@@ -54,10 +54,11 @@ def _core(scene: Scene) -> str:
 
 def _tiers(variant: Variant, axis: str) -> TierContext | None:
     """The fixed steps in front of the adaptive ones, of calls or in lanes; None: there are none."""
-    if variant.get(axis, "adaptive") == "adaptive":
+    kind = variant.get(axis, "adaptive")
+    if kind == "adaptive":
         return None
     terms, budget = find_model(variant.model).terms, variant.stepper.budget or 0.0
-    return tier_context(terms, budget, alone=axis == "tiers")
+    return tier_context(terms, budget, alone=axis == "tiers", sticking=kind == "sticking")
 
 
 def _batch(scene: Scene, tiers: TierContext | None) -> str:

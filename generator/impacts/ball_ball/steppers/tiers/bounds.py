@@ -61,6 +61,31 @@ class ByPhase:
 
 
 @dataclass(frozen=True)
+class StickWeights:
+    """What steps into sticking miss, over u_s |c_z|."""
+
+    passes: float  # near^6
+    bends: float  # u_s near^3
+    turns: float  # near^2 |c_x| / |c|
+    rubs_s: float  # u_s u_b |c_x| / |c|, times u_s
+    rubs_b: float  # and times u_b
+
+
+@dataclass(frozen=True)
+class Sticks:
+    """Steps over all of the way to c = 0, one or two, and the region that weights were found in."""
+
+    error: float  # of |v1 - v2|
+    one: StickWeights
+    two: StickWeights
+    cut: float = 0.45  # the root of the contact slip that is left between two steps
+    most_u_b: float = 0.6
+    most_u_s: float = 0.5
+    most_friction: float = 0.12  # u_s u_b
+    most_near: float = 0.85
+
+
+@dataclass(frozen=True)
 class Bound:
     """The tiers of a model and a budget, the cheapest first, and the region they are known in."""
 
@@ -72,6 +97,7 @@ class Bound:
     most_friction: float = 0.12  # u_s u_b
     most_u_b: float = 1.0
     most_u_s: float = 1.0
+    sticks: Sticks | None = None  # into sticking; None: no certificate is known
 
     @property
     def whole(self) -> Tier:

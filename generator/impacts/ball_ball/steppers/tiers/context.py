@@ -12,6 +12,7 @@ from .bounds import Bound
 from .certificate import certificate, further
 from .frame import changed, differences, entering, leaving, sizes
 from .lookup import bound_for
+from .sticking import StickText
 from .whole import Text, advance, end, end_weights, finish, stage, stage_alone, turn
 
 BLOCK, REST = 64, 128  # collisions that are read at once, and that may wait for the general way
@@ -40,6 +41,7 @@ class TierContext:
     columns: tuple[int, ...]  # of the inputs, for each output
     level_q: str  # the closed form where no ball is pressed, over (1 + e_b) V
     level_stick: str
+    sticking: StickText | None  # steps to where contact sticks
     block: int = BLOCK
     rest: int = REST
 
@@ -52,15 +54,17 @@ class TierContext:
         return self.bound.tableau.stages
 
 
-def tier_context(terms: ContactTerms, budget: float, alone: bool) -> TierContext:
+def tier_context(
+    terms: ContactTerms, budget: float, alone: bool, sticking: bool = False
+) -> TierContext:
     """Decide everything that the templates of fixed steps show, for equal masses.
 
-    `alone`: for single calls.
+    `alone`: for single calls; `sticking`: with steps to where contact sticks.
     """
     bound = bound_for(terms, budget)
     bound, made = (bound.alone(), stage_alone) if alone else (bound, stage)
     pressed = Pressed.of(pressed_changes(terms, EQUAL))
-    tableau = bound.tableau
+    tableau, sticks = bound.tableau, bound.sticks if sticking else None
     return TierContext(
         bound=bound,
         alone=alone,
@@ -81,4 +85,5 @@ def tier_context(terms: ContactTerms, budget: float, alone: bool) -> TierContext
         columns=(*range(3, 9), *range(12, 18)),
         level_q="0.5",
         level_stick=number(1 / pressed.k_x),
+        sticking=StickText.of(sticks, tableau, pressed) if sticks else None,
     )

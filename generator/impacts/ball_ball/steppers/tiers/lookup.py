@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ...terms import ContactTerms
 from .bounds import Bound
-from .weights import BOTTOM_1E3, BOTTOM_1E6, TOP_1E3, TOP_1E6
+from .weights import BOTTOM_1E3, BOTTOM_1E6, LIFT_1E6, TOP_1E3, TOP_1E6
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ _ROWS: tuple[_Row, ...] = (  # of a model's the one for the largest budgets firs
     _Row(ContactTerms("bottom", lift=True), 1e-3, BOTTOM_1E3),
     _Row(ContactTerms("bottom", lift=False), 1e-3, BOTTOM_1E3),
     _Row(ContactTerms("top", lift=False), 1e-3, TOP_1E3),
-    _Row(ContactTerms("bottom", lift=True), 1e-6, BOTTOM_1E6),
+    _Row(ContactTerms("bottom", lift=True), 1e-6, LIFT_1E6),
     _Row(ContactTerms("bottom", lift=False), 1e-6, BOTTOM_1E6),
     _Row(ContactTerms("top", lift=False), 1e-6, TOP_1E6),
 )

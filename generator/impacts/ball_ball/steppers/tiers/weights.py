@@ -5,8 +5,10 @@ docs/fixed-tiers.md says how.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .....tableaus.plain import BUTCHER_6, KUTTA_4
-from .bounds import Bound, ByPhase, Term, Tier
+from .bounds import Bound, ByPhase, Sticks, StickWeights, Term, Tier
 
 _WHOLE = Tier(
     steps=0,
@@ -68,7 +70,25 @@ _FOUR_A_PHASE = Tier(
     most_near=0.97,
 )
 
-BOTTOM_1E6 = Bound(2.5e-7, 3.5e-7, BUTCHER_6, (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE, _FOUR_A_PHASE))
+_STICKS = Sticks(
+    3.5e-7,
+    one=StickWeights(2.78, 0.274, 0.0483, 0.0282, 0.0189),
+    two=StickWeights(0.18, 0.0265, 0, 0.00145, 0.000316),
+)
+_LIFT_STICKS = Sticks(
+    3.5e-7,
+    one=StickWeights(2.3, 0.231, 0.00116, 0.00647, 0.00588),
+    two=StickWeights(0.0801, 0.00584, 2.63e-05, 0.000901, 8.44e-05),
+)
+
+BOTTOM_1E6 = Bound(
+    2.5e-7,
+    3.5e-7,
+    BUTCHER_6,
+    (_WHOLE, _ONE_A_PHASE, _TWO_A_PHASE, _FOUR_A_PHASE),
+    sticks=_STICKS,
+)
+LIFT_1E6 = replace(BOTTOM_1E6, sticks=_LIFT_STICKS)
 
 # Where the table drives its slip on, friction of the table counts for more.
 _TOP_WHOLE = Tier(
@@ -129,6 +149,14 @@ _TOP_TWO_A_PHASE = ByPhase(
     ),
 )
 
+_TOP_STICKS = Sticks(
+    3e-7,
+    one=StickWeights(0.405, 0.48, 0.0378, 0.0135, 0.453),
+    two=StickWeights(0.111, 0.0282, 0, 0, 0.0755),
+    most_u_b=0.3,
+    most_friction=0.06,
+)
+
 TOP_1E6 = Bound(
     1e-7,
     1e-7,
@@ -137,6 +165,7 @@ TOP_1E6 = Bound(
     most_friction=0.03,
     most_u_b=0.25,
     most_u_s=0.6,
+    sticks=_TOP_STICKS,
 )
 
 # Budgets of a thousandth: order 4.
