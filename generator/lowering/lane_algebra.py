@@ -223,12 +223,12 @@ def plain(value: Number | sp.Basic) -> sp.Basic:
 class Lines:
     """Statements as they are written, one after the other."""
 
-    def __init__(self, printer: ExpressionPrinter) -> None:
-        self._printer = printer
+    def __init__(self, printer: ExpressionPrinter, real: str = "Real") -> None:
+        self._printer, self._real = printer, real
         self._lines: list[str] = []
 
     def number(self, name: str, value: Operand, note: str = "") -> Number:
-        self._put(Assign(name, _lane(value), "const Real", note))
+        self._put(Assign(name, _lane(value), f"const {self._real}", note))
         return number(name)
 
     def mask(self, name: str, value: Mask, note: str = "") -> Mask:
@@ -240,7 +240,7 @@ class Lines:
 
     def variable(self, name: str, value: Operand) -> Number:
         """A number that later statements set."""
-        self._put(Assign(name, _lane(value), "Real"))
+        self._put(Assign(name, _lane(value), self._real))
         return number(name)
 
     def returns(self, value: Operand) -> None:

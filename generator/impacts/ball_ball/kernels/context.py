@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ....emission.context import KernelContext
 from ..scene import Scene
 from ..steppers.collision_ends import at_zero
 from .parts import KernelParts
+from .turning import Text, quads_back, quads_in, turned_back, turned_in
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,21 +23,34 @@ class BallBallContext(KernelContext):
     law: tuple[str, str, str] | None  # of friction, where the kernel makes it
     motions: tuple[str, ...]  # velocities that are zero in the scene, as ball1[6]
     level_pairs: tuple[tuple[str, str], ...]  # velocities that are equal in the scene
-    quad_lanes: tuple[dict[str, str], ...] = field(
-        default=tuple({"name": n, "index": str(i)} for i, n in enumerate(("v1", "o1", "v2", "o2")))
-    )
 
     @property
     def vector_frame(self) -> bool:
         return self.parts.vector_frame
 
     @property
-    def project_template(self) -> str:
-        return f"ball_ball/sections/project_{'vector' if self.vector_frame else 'scalar'}.j2"
+    def turned_in(self) -> Text:
+        return turned_in("p.R", self.tilt_allowed, self.projects)
 
     @property
-    def restore_template(self) -> str:
-        return f"ball_ball/sections/restore_{'vector' if self.vector_frame else 'scalar'}.j2"
+    def lanes_turned_in(self) -> Text:
+        return turned_in("R", self.tilt_allowed, lambda _name: True)
+
+    @property
+    def quads_turned_in(self) -> Text:
+        return quads_in(self.tilt_allowed)
+
+    @property
+    def turned_back(self) -> Text:
+        return turned_back(_out, self.tilt_allowed, self.level_ends)
+
+    @property
+    def lanes_turned_back(self) -> Text:
+        return turned_back(_after, self.tilt_allowed)
+
+    @property
+    def quads_turned_back(self) -> Text:
+        return quads_back(_out, self.tilt_allowed)
 
     @property
     def level_ends(self) -> bool:
@@ -59,5 +73,10 @@ class BallBallContext(KernelContext):
         names = (f"{kind}{ball}{axis}" for ball in "12" for kind in "vo" for axis in "xyz")
         return tuple(name for name in names if self.projects(name))
 
-    def tilt_term(self, value: str) -> str:
-        return f" + {value} * b.f_z" if self.tilt_allowed else ""
+
+def _out(ball: int, i: int) -> str:
+    return f"out{ball}[{i + 3}]"
+
+
+def _after(ball: int, i: int) -> str:
+    return f"after[{6 * ball - 6 + i}]"
