@@ -157,6 +157,19 @@ TEST(BallCushionOracle, GivesTheReferenceAsPrinted) {
 
 // The paper's Fig. 12: 2 m/s at 45 degrees with side spin 2V/R and top spin 1.5V/R. Read off: .432
 // Ns, slips from 3.03 at the cushion and from 1.00 m/s at the table.
+// A tiny slip falls to zero in 1e-6 of the first step's impulse, sticks, and gives way. Expected:
+// an implicit Runge-Kutta method (SciPy's Radau, 1e-12) from where it gives way.
+TEST(BallCushionOracle, MeetsAStickThatIsOverWithinAStep) {
+  const Params p{
+      0.03125, 0.170097, 0.8, 0.15409266142661102, 0.99805080933639689, 0.049983670983881609};
+  const double ball[6] = {0, 1, 0, 19.183279087635373, 528.44955675387848, 395.79824708565849};
+  const double normal[2] = {0, 1};
+  const auto out = carom_oracle::cushion::solve_exact(p, Model::kClamped, ball, normal);
+  EXPECT_NEAR(out.v[0], 1.722424856774, 1e-10);
+  EXPECT_NEAR(out.v[1], -0.9422227544415, 1e-10);
+  EXPECT_NEAR(p.R * out.w[2], 11.99023977474, 1e-9);
+}
+
 TEST(BallCushionOracle, GivesTheImpulseOfThePapersFigure12) {
   const double R = 0.02625, M = 0.1406, into = std::sqrt(2.0);
   const Params paper{R, M, 0.212, 0.14, 0.98, 1.4 * R};

@@ -71,7 +71,8 @@ bool first_fall(const Series& a, typename Series::value_type end,
   for (int i = 1; i <= kSamples; ++i) {
     const Real next = end * i / kSamples, value_next = value_at(a, next);
     if (value_next < 0) return narrow(here, next);
-    if (i > 1 && value_here < value_before && value_here < value_next) {
+    const bool falls = i > 1 ? value_here < value_before : a[1] < 0;
+    if (falls && value_here < value_next) {
       Real low = before, high = next;  // thirds around the lowest point
       for (int k = 0; k < 60; ++k) {
         const Real one = low + (high - low) / 3, two = high - (high - low) / 3;

@@ -56,7 +56,7 @@ class Series:
     little: float = 0.01  # restitution squared below it needs the end of compression exactly
     rough: float = 0.001  # of a step, else
     enough: float = 0.3  # last step to the end by the root of what it may be off
-    tiny: float = 1e-6  # way to the end that is taken at the present rate
+    tiny: float = 1e-6  # way to the end whose work is no difference of sums
     most: int = 200  # steps
     slippery: float = 1e-100  # friction below it turns nothing, and its square may be no number
 
