@@ -10,7 +10,9 @@ import numpy as np
 from ..verification.errors import Array
 
 LEAST = 1e-12  # of a range, on the scales that are logarithmic
+NEAR = 12.0  # decades by which an event is approached
 _MARGIN = 0.15
+Event = Literal["start", "anywhere", "compressed", "end"]
 
 
 @dataclass(frozen=True)
@@ -66,3 +68,31 @@ def slip_scale(rng: np.random.Generator) -> Scale:
 def near_zero(rng: np.random.Generator) -> Scale:
     """Of a slip that vanishes, over the speed of approach."""
     return Scale("log", LEAST, 1.0) if rng.random() < 0.5 else Scale("log", 1e-5, 1.0)
+
+
+def approach_at(event: Event, restitution: Array, x: Array) -> tuple[Array, Array]:
+    """The speed of approach at an event, over that at the start; how far from the end, else NaN.
+
+    How far is relative to the restitution with which the impact ends right there.
+    """
+    end = np.full(len(x), np.nan)
+    if event == "start":
+        return np.ones(len(x)), end
+    if event == "anywhere":
+        return 1 - (1 + np.maximum(restitution, 1e-3)) * x, end
+    if event == "compressed":
+        speed = -signed(x, NEAR)
+        return np.where(speed > 0, np.minimum(speed, 0.99), speed * restitution), end
+    return -np.clip(restitution, LEAST, 1.0), signed(x, NEAR)
+
+
+def restitution_for(
+    drawn: Array, end: Array, back: Array, work: Array, bounds: tuple[float, float]
+) -> Array:
+    """The restitution that was drawn, or where `end` is no NaN one that ends so far from an event.
+
+    `back`: the work of restitution until the event, negative; `work`: with that of compression.
+    """
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        exactly = np.sqrt(back / (work - back))
+        return np.where(np.isnan(end), drawn, np.clip(exactly * (1 + end), *bounds))

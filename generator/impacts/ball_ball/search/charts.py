@@ -14,10 +14,13 @@ from typing import Literal
 import numpy as np
 
 from ....evidence.challenge.scales import (
-    LEAST,
+    NEAR,
+    Event,
     Scale,
+    approach_at,
     near_zero,
     parameter_scale,
+    restitution_for,
     signed,
     slip_scale,
 )
@@ -27,7 +30,6 @@ from .rewind import C_X, C_Z, S_X, S_Y, WORK, rewind
 
 GENES = ("u_b", "u_s", "e_b", "c", "turn", "s", "angle", "v_n")
 THRESHOLDS = (3e-4,)  # of e_b, where the kernels' method changes
-Event = Literal["start", "anywhere", "compressed", "end"]
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ def _restitution(rng: np.random.Generator, bounds: tuple[float, float]) -> Scale
     low, high = bounds
     inside = [e for e in THRESHOLDS if low < e < high]
     if inside and rng.random() < 0.15:
-        return Scale("about", low, high, about=float(rng.choice(inside)), decades=12.0)
+        return Scale("about", low, high, about=float(rng.choice(inside)), decades=NEAR)
     return parameter_scale(rng, bounds, 0.3)
 
 
@@ -143,17 +145,8 @@ def places_of(chart: Chart, genes: Array) -> Places:
     slips = np.zeros((5, len(genes)))
     slips[C_X], slips[C_Z] = size * c_x, size * c_z
     slips[S_X], slips[S_Y] = s_size * np.cos(angle), s_size * np.sin(angle)
-    end = np.full(len(genes), np.nan)
-    if chart.event == "start":
-        v_n = np.full(len(genes), -1.0)
-    elif chart.event == "anywhere":
-        v_n = -1 + (1 + np.maximum(e_b, 1e-3)) * x[7]
-    elif chart.event == "compressed":
-        v_n = signed(x[7], 12.0)
-        v_n = np.where(v_n < 0, np.maximum(v_n, -0.99), v_n * e_b)
-    else:
-        v_n, end = np.clip(e_b, LEAST, 1.0), signed(x[7], 12.0)
-    return Places(slips, v_n, u_b, u_s, e_b, end)
+    approach, end = approach_at(chart.event, e_b, x[7])
+    return Places(slips, -approach, u_b, u_s, e_b, end)
 
 
 def states_of(places: Sequence[Places], within: Envelope) -> list[States]:
@@ -167,9 +160,7 @@ def states_of(places: Sequence[Places], within: Envelope) -> list[States]:
     slips = rewind(within.model, all_of.slips, v_n, least, u_b, u_s)
     back = slips[WORK].copy()  # negative: of the restitution until the event
     slips = rewind(within.model, slips, least, np.full_like(v_n, -1.0), u_b, u_s)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        exactly = np.sqrt(back / (slips[WORK] - back))
-    e_b = np.where(np.isnan(end), e_b, np.clip(exactly * (1 + end), *within.e_b))
+    e_b = restitution_for(e_b, end, back, slips[WORK], within.e_b)
     tables = (slips[:4], u_b, u_s, e_b)
     split = [np.split(table, sizes, axis=-1) for table in tables]
     return [States(*parts) for parts in zip(*split, strict=True)]

@@ -15,10 +15,13 @@ from typing import Literal
 import numpy as np
 
 from ....evidence.challenge.scales import (
-    LEAST,
+    NEAR,
+    Event,
     Scale,
+    approach_at,
     near_zero,
     parameter_scale,
+    restitution_for,
     signed,
     slip_scale,
 )
@@ -27,10 +30,8 @@ from .envelope import MOST_ANGLES, Envelope
 from .rewind import C_X, C_Z, S_X, WORK, Frictions, rewind
 
 GENES = ("u_s", "u_w", "e_c", "nose", "slip", "turn", "other", "v_y", "v_x")
-Event = Literal["start", "anywhere", "compressed", "end"]
 Edge = Literal["none", "sticks", "rolls", "lifts", "level"]
 _EDGES: tuple[Edge, ...] = ("none", "sticks", "rolls", "lifts", "level")
-_NEAR = 12.0  # decades by which an edge is approached
 
 
 @dataclass(frozen=True)
@@ -125,25 +126,12 @@ def _turned(chart: Chart, x: Array) -> tuple[Array, Array]:
     return (large, np.abs(small)) if chart.turn == "level" else (np.abs(small), large)
 
 
-def _speeds(chart: Chart, e_c: Array, x: Array) -> tuple[Array, Array]:
-    """v_y at the place, and how far from an event at the end it is, relative."""
-    end = np.full(len(x), np.nan)
-    if chart.event == "start":
-        return np.ones(len(x)), end
-    if chart.event == "anywhere":
-        return 1 - (1 + np.maximum(e_c, 1e-3)) * x, end
-    if chart.event == "compressed":
-        v_y = -signed(x, _NEAR)
-        return np.where(v_y > 0, np.minimum(v_y, 0.99), v_y * e_c), end
-    return -np.clip(e_c, LEAST, 1.0), signed(x, _NEAR)
-
-
 def _places(chart: Chart, genes: Array, within: Envelope) -> _Places:
     """What rows of nine numbers stand for; any reals, cut off at 0 and 1."""
     x = np.clip(genes, 0.0, 1.0).T
     sine, e_c = chart.height(x[3]) - 1, chart.e_c(x[2])
     u_s, u_w = chart.u_s(x[0]), chart.u_w(x[1])
-    near_s, near_w = 1 + signed(x[0], _NEAR), 1 + signed(x[1], _NEAR)
+    near_s, near_w = 1 + signed(x[0], NEAR), 1 + signed(x[1], NEAR)
     slope = np.tan(np.arcsin(sine))
     if chart.edge == "level":
         u_w = slope * near_w
@@ -153,7 +141,7 @@ def _places(chart: Chart, genes: Array, within: Envelope) -> _Places:
         two = np.clip(-slope * near_w / np.maximum(u_w, 1e-12), -1.0, 1.0)
         one = np.sqrt(1 - two**2)
     other = np.where(x[6] < 0.5, -1.0, 1.0) * chart.other(np.abs(2 * x[6] - 1))
-    v_y, end = _speeds(chart, e_c, x[7])
+    v_y, end = approach_at(chart.event, e_c, x[7])
     slips = np.zeros((4, len(genes)))
     if chart.nose:
         slips[C_X], slips[C_Z], slips[S_X] = size * one, size * two, other
@@ -196,8 +184,7 @@ def states_of(
         slips = rewind(friction, place, v_y, turned)
         back = slips[WORK].copy()  # of the restitution until the event
         slips = rewind(friction, slips, turned, np.ones_like(v_y))
-        exactly = np.sqrt(back / (slips[WORK] - back))
-    e_c = np.where(np.isnan(end), e_c, np.clip(exactly * (1 + end), *within.e_c))
+    e_c = restitution_for(e_c, end, back, slips[WORK], within.e_c)
     split = np.split(np.arange(len(v_y)), sizes)
     return [
         (States(slips[:3, rows], along[rows], friction.of(rows), e_c[rows]), chart.layout)
