@@ -11,7 +11,9 @@ from dataclasses import dataclass
 import sympy as sp
 
 from .....lowering.lane_algebra import Fixed, exact
+from .....lowering.printer import ExpressionPrinter
 
+PRINTER = ExpressionPrinter(False)
 TRIED = "tried, not derived: no measurement of it alone is kept"
 BY_BUDGET = "by budget (budgets.py), on the hard and random cases that accuracy.md counts"
 
@@ -23,6 +25,11 @@ class Constant(Fixed):
     unit: str
     reason: str
     measured: str = TRIED
+
+    @property
+    def text(self) -> str:
+        """As a template shows it."""
+        return PRINTER.print(self.form)
 
 
 def _value(value: float, unit: str, reason: str, measured: str = TRIED) -> Constant:
@@ -147,6 +154,25 @@ class Literal:
         0.5, "1", "the most of a contact slip from which sticking is tried again after it failed"
     )
     longer = _value(10, "1", "the most that a step is longer than the one before")
+    growth = _value(4, "1", "the same where there is no friction on the table")
+    coarse = _value(
+        0.01,
+        "1",
+        "weight of the square of the coarser of two embedded errors beside the finer's: it keeps "
+        "chance zeros of the finer from view",
+        "the tableau's own",
+    )
+    close = _value(
+        0.1,
+        "tol",
+        "the square of what v is off by, over a speed: Newton's next step is then below tolerance",
+        "derived",
+    )
+    slow = _value(20, "1", "v over what remains, below which the end is more than one guess away")
+    least_share = _value(
+        -0.9, "1", "the least share of the change of v_n^2 since v_n = 0 that the table makes"
+    )
+    most_share = _value(0.6, "1", "and the most")
     off_rest = _value(
         0.7, "|s|/|b|", "share of it that s must come nearer for its path to count as an approach"
     )
@@ -195,6 +221,19 @@ class Literal:
         "l_stick",
         "nor does s that approaches zero but would not reach it in this",
     )
+
+
+@dataclass(frozen=True)
+class Radau:
+    """Nodes (6 - r)/10, (6 + r)/10 and weights (16 + r)/36, (16 - r)/36, r^2 = 6, to 16 digits."""
+
+    nodes: tuple[str, str]
+    weights: tuple[str, str]
+
+
+RADAU = Radau(
+    ("0.35505102572168222", "0.84494897427831778"), ("0.51248582618842160", "0.37640306270046728")
+)
 
 
 def table() -> list[tuple[str, Constant]]:

@@ -11,6 +11,7 @@ from .....lowering.printer import decimal_product
 from .....steppers.budgets import StepControl
 from .....tableaus.tableau import Tableau
 from .coefficients import Coefficients
+from .constants import RADAU, Literal, Radau
 from .ellipse import largest_weight, sticking_bound
 from .parts import EndParts, StepParts
 from .pressed import Pressed
@@ -47,6 +48,16 @@ class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
     pressed: Pressed
     tiny_slip: str  # a table slip with a direction, but of no account
     most_steps: int = MOST_STEPS
+    most_turns: int = 8  # runs of a collision in which errors grow
+    literal: type[Literal] = Literal
+    reach: float = 0.65  # what `Declared` says of kReach and kLittleBounce
+    little_bounce: float = 0.01
+    radau: Radau = RADAU
+    no_press: str = "1e-17"  # c_z over c_x up to which no ball is pressed
+    no_approach: str = "1e-140"  # v_n over other speeds up to which all is lost in rounding
+    slowest: str = "1e-290"  # m/s
+    most_slip: str = "1e18"  # scaled: its square is a float
+    most_turned: str = "1e7"  # contact slip over approach velocity: both are floats
     huge: str = "1e30"
     tiny_error: float = 1e-72  # far below every square of an error
     no_friction: float = 1e-30  # u_b up to this is none

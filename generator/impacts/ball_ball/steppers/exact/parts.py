@@ -14,7 +14,7 @@ from .passage import PassageLines, passage_lines
 from .pressed import Pressed
 from .stages import Kept
 from .step import ExactLowering, ExactStep
-from .sticking import Sticking, StickingLines, sticking_lines
+from .sticking import Sticking, StickingLines, steepness_lines, sticking_lines
 
 SLIPS_BEFORE = ("c_x", "c_z", "s1x", "s1y", "s2x", "s2y", "v_n")
 
@@ -36,6 +36,7 @@ class StepParts:
     plan: PlanLines | None = None
     passage: PassageLines | None = None
     sticking: StickingLines | None = None
+    steepness: tuple[str, ...] = ()  # how near the table slip passes zero
     drift: tuple[str, ...] = ()  # b, the rate of the table slip
     landed: tuple[str, ...] = ()  # slips from the impulses of a part of a step
 
@@ -72,6 +73,7 @@ def step_parts(lowering: ExactLowering, pressed: Pressed, how: Writes) -> StepPa
         plan=plan_lines(pressed, drift, how.floats),
         passage=passage_lines(pressed),
         sticking=sticking_lines(sticking),
+        steepness=steepness_lines(),
         drift=drift,
         landed=lowering.landed().lines,
     )

@@ -93,6 +93,16 @@ def sticking_lines(of: Sticking) -> StickingLines:
     )
 
 
+def steepness_lines() -> Text:
+    """1 / P of docs/step-control.md, of a way of length d between slips of lengths l in all."""
+    lines = Lines(PRINTER)
+    d_x, d_y = number("s1_x") - number("s0_x"), number("s1_y") - number("s0_y")
+    way = lines.number("way", fma(d_x, d_x, InLanes(Group(d_y.form)) * d_y))
+    both_ends = lines.number("sum", number("l0") + number("l1"))
+    lines.returns(way * rough_inverse(fma(4 * both_ends, both_ends, -3 * way) + TINY))
+    return lines.part()
+
+
 def _set(**values: Number) -> Text:
     lines = Lines(PRINTER)
     for name, value in values.items():
