@@ -58,7 +58,8 @@ def _roots_in_budget(v: Variant, target: Target) -> bool:
         budget, friction, v.get("root", "inv"), target, one_float=scene.precision == "float"
     )
     return alone and (
-        v.width == 1 or allows(budget, friction, v["lane_root"], target, in_floats=_floats(v))
+        v.width == 1
+        or allows(budget, friction, v.get("lane_root", "inv"), target, in_floats=_floats(v))
     )
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from ....emission.context import KernelContext, KernelHead, Kernels
 from ....errors import InputError
+from ....lowering.lanes import LaneContext, lane_context
 from ....registry.axes import axis
+from ....registry.recipe import SERIES
 from .. import words
 from ..models import find_model
 from ..scene import Scene
@@ -24,8 +26,6 @@ class BallCushionKernels:
         if not isinstance(scene, Scene):
             raise TypeError(f"{scene.name}: a scene of a ball and a cushion is wanted")
         _require_options(head)
-        if head.variant.width > 1:
-            raise InputError(f"{head.impact.name}: batches have no lanes yet; expected width 1")
         return _fixed_step(head, scene) if head.fixed_step else _exact(head, scene)
 
 
@@ -42,6 +42,8 @@ def _require_options(head: KernelHead) -> None:
 def _fixed_step(head: KernelHead, scene: Scene) -> CushionContext:
     if not scene.fixed_steps:
         raise InputError(f"--scene {scene.name}: {words.NO_FIXED_STEPS}")
+    if head.variant.width > 1:
+        raise InputError(f"{head.impact.name}: fixed steps have no lanes; expected width 1")
     terms = find_model(head.variant.model).terms
     parts = fixed_step_parts(terms, head.places_fma)
     return CushionContext(
@@ -56,20 +58,33 @@ def _fixed_step(head: KernelHead, scene: Scene) -> CushionContext:
     )
 
 
+def _lanes(head: KernelHead) -> LaneContext | None:
+    """The vocabulary of batches in lanes; None where they go one by one."""
+    variant = head.variant
+    if variant.width == 1:
+        return None
+    if variant.stepper.name != SERIES:
+        raise InputError(
+            f"{head.impact.name}: lanes are for the stepper {SERIES}; expected width 1"
+        )
+    return lane_context(head.target, variant.width, fma=head.places_fma, estimates=False)
+
+
 def _exact(head: KernelHead, scene: Scene) -> CushionContext:
     variant = head.variant
     if not find_model(variant.model).terms.sticks:
         raise InputError(f"--max-error: model {variant.model} has fixed steps alone; name --steps")
     budget = variant.stepper.budget or 0.0
     scene.require_budget(budget)
+    lanes = _lanes(head)
     stepper = exact_stepper(variant.stepper.name, budget, head.places_fma)
     return CushionContext(
         **{**vars(head), "scene": scene},
         body="ball_cushion/exact.j2",
         one="ball_cushion/collide_one.j2",
-        batch=False,
+        batch=lanes is not None,
         checks_template="ball_cushion/checks.j2",
         counts=stepper.parts.step_counts,
         method=exact_method(stepper),
-        shown={"x": stepper},
+        shown={"x": stepper, "lanes": lanes},
     )

@@ -82,6 +82,8 @@ class ExactParts:
     rates: Part  # rates of c_x, c_z, s_x, v
     balance: Part  # c' = F + K d
     leave: Part  # velocities after
+    lane_stuck_nose: Part  # `stuck_nose` in lanes
+    lane_balance: Part  # K_zz of `balance` in lanes
 
     @property
     def step_counts(self) -> OperationCounts:
@@ -100,6 +102,7 @@ _FRICTION = {"v_y": "y.v", "N": "f.push", "d_x": "f.d_x", "d_z": "f.d_z"} | {
 def exact_parts(place_fma: bool) -> ExactParts:
     inside = ExpressionPrinter(place_fma, _names("n.") | _of("y.", "c_x c_z s_x") | _FRICTION)
     outside = ExpressionPrinter(place_fma, _names("n."))
+    lanes = ExpressionPrinter(True, inside.names, fma_name="fma", number_format="real({})")
     named = coefficients()
     rates = slip_rates()
     stuck = stuck_cushion()
@@ -136,6 +139,8 @@ def exact_parts(place_fma: bool) -> ExactParts:
         rates=part(inside, moving, ""),
         balance=part(inside, _balance(), KIND),
         leave=part(outside, _leave(), KIND),
+        lane_stuck_nose=part(lanes, _stuck_nose(stuck.force), ""),
+        lane_balance=part(lanes, {"K_zz": _balance()["K_zz"]}, "const Real"),
     )
 
 

@@ -29,6 +29,8 @@ class SeriesParts:
     rates: Part  # of c_x, c_z, s_x, s_y and v
     stuck_table: Part  # t_x, t_y
     stuck_along: Part  # d_x of a stuck nose, from t_x
+    lane_rates: Part  # `rates` in lanes
+    lane_along: Part  # `stuck_along` in lanes
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class Series:
     nearly: float = 0.85  # of the way to where a slip passes zero closely, a step
     aside: float = 0.25  # tolerances by which such a slip may turn without it
     beyond: float = 1.3  # of the impulse that is left at the present rate
-    near: float = 0.02  # slips at the nose below may jump to zero, or follow their balance
+    near: float = 0.02  # slips below may jump to zero, or follow their balance; in lanes none are
     jumps: float = 0.3  # error of a jump by slip, duration and turning
     spare: float = 0.2  # of the square of friction that holds a slip, for a jump
     patience: float = 4.0  # times the duration of a jump that must be left before the end
@@ -58,6 +60,8 @@ class Series:
     enough: float = 0.3  # last step to the end by the root of what it may be off
     tiny: float = 1e-6  # way to the end whose work is no difference of sums
     most: int = 200  # steps
+    least_in_lanes: float = 1e-6  # shorter steps are made alone
+    lane_turns: int = 3  # of Newton's method for either end of a phase
     slippery: float = 1e-100  # friction below it turns nothing, and its square may be no number
 
     @property
@@ -65,9 +69,24 @@ class Series:
         return number(sp.Rational(str(self.nearly)) ** 2)
 
     @property
+    def root(self) -> tuple[int, int]:
+        """In lanes: 64ths whose product is the exponent of the root of the last order, nearly."""
+        return root_in_64ths(self.order)
+
+    @property
+    def root_before(self) -> tuple[int, int]:
+        return root_in_64ths(self.order - 1)
+
+    @property
     def parts_of_one(self) -> tuple[str, ...]:
         """1/k, of an integral's coefficient k."""
         return tuple(number(sp.Rational(1, k)) for k in range(1, self.order + 1))
+
+
+def root_in_64ths(order: int) -> tuple[int, int]:
+    """a and b, with a b / 4096 as near to 1 / order as can be, the larger first."""
+    pairs = ((a, b) for a in range(1, 65) for b in range(1, a + 1))
+    return min(pairs, key=lambda p: (abs(p[0] * p[1] * order - 64**2), p))
 
 
 def series_for(budget: float, place_fma: bool) -> Series:
@@ -81,6 +100,8 @@ def series_for(budget: float, place_fma: bool) -> Series:
 def _parts(place_fma: bool) -> SeriesParts:
     names = {name: f"n.{name}" for name in ("m", "g", "a")} | {"S": "n.sine"}
     printer = ExpressionPrinter(place_fma, names)
+    in_lanes = {name: text.replace("n.", "z.") for name, text in names.items()}
+    lanes = ExpressionPrinter(True, in_lanes, fma_name="fma", number_format="real({})")
     table = ExpressionPrinter(place_fma, {**names, "m": "z.m", "g": "z.g", "S": "z.sine"})
     named, slips = coefficients(), slip_rates()
     forms = {n: named.named(slips[c]) for n, c in (("c_x", s.C_X), ("c_z", s.C_Z))}
@@ -88,10 +109,13 @@ def _parts(place_fma: bool) -> SeriesParts:
     forms["v"] = named.named(velocity_rates()[s.V_Y])
     held = {str(t): named.named(form).subs(s.COS, _HOME) for t, form in stuck_table().items()}
     along = sp.solve(named.named(slips[s.C_X]), s.D_X)[0]
+    rates = {f"rate.{n}": form.subs(s.COS, _HOME) for n, form in forms.items()}
     return SeriesParts(
-        rates=_part(printer, {f"rate.{n}": f.subs(s.COS, _HOME) for n, f in forms.items()}, ""),
+        rates=_part(printer, rates, ""),
+        lane_rates=_part(lanes, rates, ""),
         stuck_table=_part(table, held, KIND),
         stuck_along=_part(table, {"d_x": along}, KIND),
+        lane_along=_part(lanes, {"f.d_x[n]": along.subs(s.COS, _HOME)}, ""),
     )
 
 
