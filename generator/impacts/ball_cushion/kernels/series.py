@@ -45,7 +45,7 @@ class Series:
     nearly: float = 0.85  # of the way to where a slip passes zero closely, a step
     aside: float = 0.25  # tolerances by which such a slip may turn without it
     beyond: float = 1.3  # of the impulse that is left at the present rate
-    near: float = 0.02  # slips below may jump to zero, or follow their balance; in lanes none are
+    near: float = 0.001  # slips below may jump to zero, or follow their balance; in lanes none are
     jumps: float = 0.3  # error of a jump by slip, duration and turning
     spare: float = 0.2  # of the square of friction that holds a slip, for a jump
     patience: float = 4.0  # times the duration of a jump that must be left before the end
