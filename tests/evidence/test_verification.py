@@ -58,7 +58,7 @@ def test_reference_with_a_missing_column_is_named(reference: Reference, tmp_path
     (tmp_path / "inputs.csv").write_text(text.replace("u_b", "mu"), encoding="utf-8")
     for name in ("exact_mathavan2014", "exact_bottom_slip", "exact_pooltool", "euler_n1000"):
         (tmp_path / f"{name}.csv").write_bytes((FOLDER / f"{name}.csv").read_bytes())
-    with pytest.raises(InputError, match=r"inputs\.csv: no column u_b"):
+    with pytest.raises(InputError, match=r"inputs\.csv: row 1: no column u_b"):
         load_reference(tmp_path)
 
 
