@@ -92,6 +92,7 @@ def _counter(name: str, region: str = "", *condition: str) -> str:
         "evaluation": "++counted::evaluations;",
         "root": "const counted::Apart apart;",
         "tier": "",
+        "section": "",
     }[name]
 
 
