@@ -69,6 +69,8 @@ class StickWeights:
     turns: float  # near^2 |c_x| / |c|
     rubs_s: float  # u_s u_b |c_x| / |c|, times u_s
     rubs_b: float  # and times u_b
+    work_passes: float = 0.0  # (1 - e_b^2) near^3
+    work_rubs: float = 0.0  # (1 - e_b^2) u_s u_b |c_x| / |c|
 
 
 @dataclass(frozen=True)
@@ -78,11 +80,18 @@ class Sticks:
     error: float  # of |v1 - v2|
     one: StickWeights
     two: StickWeights
+    bouncing: StickWeights  # two, where contact may stick in restitution
     cut: float = 0.45  # the root of the contact slip that is left between two steps
     most_u_b: float = 0.6
     most_u_s: float = 0.5
     most_friction: float = 0.12  # u_s u_b
     most_near: float = 0.85
+    least_e_b: float = 0.4  # where contact sticks in restitution
+
+    @property
+    def chord(self) -> tuple[float, float]:
+        """p, r: 1 / e_b <= p - r e_b from `least_e_b` to 1."""
+        return 1 + 1 / self.least_e_b, 1 / self.least_e_b
 
 
 @dataclass(frozen=True)

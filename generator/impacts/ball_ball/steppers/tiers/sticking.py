@@ -41,6 +41,7 @@ from .....tableaus.tableau import Row
 from ..exact.lengths import times
 from ..exact.pressed import Pressed
 from .bounds import Sticks, StickWeights
+from .crossing import work_after
 from .whole import PRINTER, Text
 
 TINY = constant("kTinySquare")
@@ -54,6 +55,8 @@ _ON, _END = Fields("on"), Fields("end")
 def surely(sticks: Sticks, pressed: Pressed) -> Text:
     """Masks `stick1`, `stick2`: does contact stick in compression, and do so many steps do for it?
 
+    `stick3`: does it stick before the end, and do two steps with v_n = 0 somewhere within them?
+
     From `slips`, `approach_1`, `u_b`, `u_s`, `near` and `relative`, as `certificate` has them.
     """
     lines, slips = Lines(PRINTER), Fields("slips")
@@ -65,19 +68,28 @@ def surely(sticks: Sticks, pressed: Pressed) -> Text:
     left = lines.number("left", u_s * number("size") * near_inverse(slowest))
     falls = lines.number("falls", _falls(pressed, c_x, c_z, slowest))
     latest = fma(given(pressed.k_xt / pressed.k_x), left, SURELY * falls)
+    latest = lines.number("latest", 2 * latest)
     lasts = fma(-abs(pressed.approach), left, number("approach_1"))
-    lines.mask("early", 2 * latest < u_b * lasts)
+    lines.mask("early", latest < u_b * lasts)
+    lines.remark("v_n at the end is at least e_b V - 2 left / e_b")
+    most = fma(-2 * sticks.chord[1], _END.bounce, 1 + 2 * sticks.chord[0])
+    ends = fma(_END.bounce, number("approach_1"), number("approach_1"))
+    at_all = latest < u_b * fma(-abs(pressed.approach) * most, left, ends)
+    lines.mask("bounces", both(at_all, _END.bounce >= sticks.least_e_b))
     _path(lines, pressed)
     friction = lines.number("friction", u_s * u_b)
     within = both(u_b <= sticks.most_u_b, u_s <= sticks.most_u_s)
-    lines.mask("known", both(both(within, friction <= sticks.most_friction), mask("early")))
+    lines.mask("known", both(within, friction <= sticks.most_friction))
     lines.number("room", sticks.error * number("relative"))
     per_c = rough_rsqrt(fma(c_x, c_x, fma(c_z, c_z, TINY)))
     lines.number("n_x", absolute(c_x) * per_c)
     lines.number("rubs", u_s * number("size"))
     for i, weights in enumerate((sticks.one, sticks.two), 1):
         lines.number(f"near_{i}", select(number("near") <= 0, 0, _nearest(lines, sticks, i)))
-        lines.mask(f"stick{i}", _does(lines, sticks, weights, i))
+        lines.mask(f"stick{i}", both(mask("early"), _does(lines, sticks, weights, i)))
+    lines.remark("What is missed of J_c counts by 1 - e_b^2")
+    lines.number("lost", -0.5 * _END.kept)
+    lines.mask("stick3", both(mask("bounces"), _does(lines, sticks, sticks.bouncing, 2)))
     return lines.part()
 
 
@@ -125,11 +137,14 @@ def _nearest(lines: Lines, sticks: Sticks, steps: int) -> Number:
 
 def _does(lines: Lines, sticks: Sticks, weights: StickWeights, i: int) -> Mask:
     near, u_s, n_x, friction = (number(n) for n in (f"near_{i}", "u_s", "n_x", "friction"))
-    square = lines.number(f"near_{i}_2", near * near)
-    cube = lines.number(f"near_{i}_3", square * near)
-    passes = cube * fma(weights.passes, cube, weights.bends * u_s)
-    rubs = friction * fma(weights.rubs_s, u_s, weights.rubs_b * number("u_b"))
-    turns = n_x * fma(weights.turns, square, rubs)
+    square = near * near
+    cube = square * near
+    bends, rubs = weights.bends * u_s, fma(weights.rubs_s, u_s, weights.rubs_b * number("u_b"))
+    if weights.work_passes:
+        bends = fma(weights.work_passes, number("lost"), bends)
+        rubs = fma(weights.work_rubs, number("lost"), rubs)
+    passes = cube * fma(weights.passes, cube, bends)
+    turns = n_x * fma(weights.turns, square, friction * rubs)
     off = number("rubs") * (passes + turns)
     return both(both(mask("known"), near < sticks.most_near), off < number("room"))
 
@@ -219,9 +234,12 @@ class Way:
     """One step over y, by its name."""
 
     name: str
+    start: float
+    stop: float
     powers: Text
     stands: tuple[Stand, ...]
     ends: Text
+    node_stages: tuple[int | None, ...]  # those at the nodes; none where all rates are zero
 
 
 def ways(sticks: Sticks, tableau: PlainTableau, pressed: Pressed) -> tuple[Way, ...]:
@@ -241,9 +259,12 @@ def ways(sticks: Sticks, tableau: PlainTableau, pressed: Pressed) -> tuple[Way, 
         found.append(
             Way(
                 name,
+                start,
+                stop,
                 _powers(ys, sticks, pressed),
                 tuple(stands),
                 _ends(tableau, len(stands)),
+                tuple(i if i < len(stands) else None for i in tableau.node_stages),
             )
         )
     return tuple(found)
@@ -290,11 +311,16 @@ def _powers(ys: Sequence[float], sticks: Sticks, pressed: Pressed) -> Text:
     return lines.part()
 
 
+def _approach(pressed: Pressed) -> Number:
+    return fma(given(pressed.approach), _ON.t_y, fma(2, _ON.q, _ON.v))
+
+
 def end(pressed: Pressed) -> Text:
     """Impulses of the whole collision, `all_` and their names: friction ends with the slip."""
     lines, ended, v = Lines(PRINTER), _END, number("approach")
     at = Fields("on.at")
-    aimed = fma(ended.base, v * v, fma(ended.both, _ON.work, ended.kept * _ON.work))
+    kept = ended.kept * (_ON.work - _ON.after)
+    aimed = fma(ended.base, v * v, fma(ended.both, _ON.work, kept))
     lines.number("v_end", sqrt(larger(aimed, 0)))
     lines.number("all_q", 0.5 * fma(-given(pressed.approach), _ON.t_y, number("v_end") + v))
     slid = fma(given(pressed.k_xt), _ON.t_x, -at.c_x)
@@ -312,6 +338,9 @@ class StickText:
     rates: Text
     ways: tuple[Way, ...]
     end: Text
+    approach: str  # approach velocity on the way
+    work_after: Text
+    nodes: tuple[int, ...]
 
     @classmethod
     def of(cls, sticks: Sticks, tableau: PlainTableau, pressed: Pressed) -> StickText:
@@ -321,4 +350,7 @@ class StickText:
             rates=rates(pressed),
             ways=ways(sticks, tableau, pressed),
             end=end(pressed),
+            approach=PRINTER.print(_approach(pressed).form),
+            work_after=work_after(tableau, pressed),
+            nodes=tuple(range(len(tableau.nodes))),
         )

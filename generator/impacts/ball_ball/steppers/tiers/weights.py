@@ -74,11 +74,13 @@ _STICKS = Sticks(
     3.5e-7,
     one=StickWeights(2.78, 0.274, 0.0483, 0.0282, 0.0189),
     two=StickWeights(0.18, 0.0265, 0, 0.00145, 0.000316),
+    bouncing=StickWeights(0.105, 0.0277, 0, 0, 0.00826, 0.0036, 0.0102),
 )
 _LIFT_STICKS = Sticks(
     3.5e-7,
     one=StickWeights(2.3, 0.231, 0.00116, 0.00647, 0.00588),
     two=StickWeights(0.0801, 0.00584, 2.63e-05, 0.000901, 8.44e-05),
+    bouncing=StickWeights(0.0674, 0.00652, 0, 0.000683, 0.000366, 0.0158, 0),
 )
 
 BOTTOM_1E6 = Bound(
@@ -153,6 +155,7 @@ _TOP_STICKS = Sticks(
     3e-7,
     one=StickWeights(0.405, 0.48, 0.0378, 0.0135, 0.453),
     two=StickWeights(0.111, 0.0282, 0, 0, 0.0755),
+    bouncing=StickWeights(0.0861, 0.0193, 0, 0, 0.0632, 0.0276, 0.0106),
     most_u_b=0.3,
     most_friction=0.06,
 )
