@@ -6,8 +6,8 @@ rules.py, and the code that lays it out in lowering/ or templates/.
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
+from functools import cache, cached_property
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Choice:
     text: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # each is itself alone, which is quick to hash
 class Axis:
     """One independent decision about how a kernel is written or compiled."""
 
@@ -33,6 +33,10 @@ class Axis:
         return self.choices[0].code
 
     def codes(self) -> tuple[str, ...]:
+        return self._codes
+
+    @cached_property
+    def _codes(self) -> tuple[str, ...]:
         return tuple(choice.code for choice in self.choices)
 
 
@@ -211,14 +215,21 @@ AXES: tuple[Axis, ...] = (
 )
 
 
-def axes_of(family: str, width: int = 1, among: Collection[str] | None = None) -> tuple[Axis, ...]:
+def axes_of(family: str, width: int = 1, among: frozenset[str] | None = None) -> tuple[Axis, ...]:
     """The axes that kernels of a stepper family and that many lanes have, in name order.
 
     `among`: those that kernels of an impact have; None: all.
     """
-    fitting = (axis for axis in AXES if axis.family in (family, "all"))
+    return _fitting(AXES, family, width > 1, among)
+
+
+@cache  # millions of times in a sweep; tests have axes of their own
+def _fitting(
+    axes: tuple[Axis, ...], family: str, wide: bool, among: frozenset[str] | None
+) -> tuple[Axis, ...]:
+    fitting = (axis for axis in axes if axis.family in (family, "all"))
     own = (axis for axis in fitting if among is None or axis.key in among)
-    return tuple(axis for axis in own if width > 1 or not axis.lanes)
+    return tuple(axis for axis in own if wide or not axis.lanes)
 
 
 def axis(key: str) -> Axis:
