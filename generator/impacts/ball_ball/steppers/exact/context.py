@@ -22,6 +22,7 @@ MOST_GROWN = 1.5  # logarithm: beyond it a collision is made again, with steps a
 CAREFUL = 1e-8  # budget that steps which are made again have at most: that of their tableau
 SQUARINGS = 8  # n of (1 - x/2^n)^(2^n), never above exp(-x), which no freestanding build has
 LEAST_STEP = 1e-16  # tolerance of a step, relative to |v1 - v2|, below which all is rounding
+DENSE_BELOW = 1e-7  # budget below which a collision ends anywhere in a step
 SPIN = 2.5  # R w changes by so much of an impulse: 1 / (2/5) of a ball's inertia
 LEAST_TOLERANCE = 0.1
 ROUNDED = 2 / 3  # share of the budget that rounding in lanes of floats may come to
@@ -219,7 +220,7 @@ class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
     @property
     def dense_landing(self) -> bool:
         """Is the end taken anywhere in a step, on its dense interpolant? Else near its end."""
-        return self.again or self.budget < 1e-7
+        return self.again or self.budget < DENSE_BELOW
 
     @property
     def extend(self) -> float:

@@ -15,7 +15,7 @@ from ...scene import Scene
 from ...terms import ContactTerms
 from ..collision_ends import CollisionEnds, at_zero
 from .coefficients import coefficients
-from .context import MOST_STEPS, ExactContext, most_in_floats
+from .context import DENSE_BELOW, MOST_STEPS, ExactContext, most_in_floats
 from .parts import Writes, end_parts, step_parts
 from .pressed import Pressed
 from .step import ExactLowering
@@ -114,7 +114,8 @@ def _pressed_context(kernel: _Kernel) -> ExactContext:
         plan.tableau,
         Writing(kernel.fma, gains, lanes, roots.split_roots),
     )
-    how = Writes(floats, roots.root_newton is None, variant.paired)
+    dense = plan.budget < DENSE_BELOW
+    how = Writes(floats, roots.root_newton is None, dense, variant.paired)
     return ExactContext(
         **vars(roots),
         **vars(coefficients(pressed)),

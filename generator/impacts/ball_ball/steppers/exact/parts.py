@@ -9,6 +9,7 @@ from ...scene import Scene
 from ..collision_ends import CollisionEnds, LevelForms
 from .coefficients import printed
 from .ellipse import sticking_bound
+from .ends import Ending, EndLines, end_lines
 from .lengths import PlanLines, plan_lines
 from .passage import PassageLines, passage_lines
 from .pressed import Pressed
@@ -36,6 +37,7 @@ class StepParts:
     plan: PlanLines | None = None
     passage: PassageLines | None = None
     sticking: StickingLines | None = None
+    ends: EndLines | None = None
     steepness: tuple[str, ...] = ()  # how near the table slip passes zero
     drift: tuple[str, ...] = ()  # b, the rate of the table slip
     landed: tuple[str, ...] = ()  # slips from the impulses of a part of a step
@@ -47,6 +49,7 @@ class Writes:
 
     floats: bool
     divides: bool  # are roots taken, and divided by?
+    dense: bool  # is the end of a collision taken anywhere in a step?
     paired: bool  # are the stages of two vectors made in turn?
 
 
@@ -63,6 +66,8 @@ def step_parts(lowering: ExactLowering, pressed: Pressed, how: Writes) -> StepPa
         return common
     drift = lowering.drift().lines
     gains = common.impulse_names if common.gains else ()
+    last, scalar = lowering.tableau.stages - 1, not lowering.lanes
+    ending = Ending(pressed, scalar, how.dense, last, common.slip_names, gains)
     sticking = Sticking(pressed, how.divides, sticking_bound(lowering.tableau)[1], gains)
     return replace(
         common,
@@ -73,6 +78,7 @@ def step_parts(lowering: ExactLowering, pressed: Pressed, how: Writes) -> StepPa
         plan=plan_lines(pressed, drift, how.floats),
         passage=passage_lines(pressed),
         sticking=sticking_lines(sticking),
+        ends=end_lines(ending),
         steepness=steepness_lines(),
         drift=drift,
         landed=lowering.landed().lines,
