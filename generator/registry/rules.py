@@ -54,13 +54,11 @@ def _roots_in_budget(v: Variant, target: Target) -> bool:
     scene, friction = asked.known_scene, asked.sensitivity
     if budget is None or scene.closed_form:
         return True
-    alone = allows(
-        budget, friction, v.get("root", "inv"), target, one_float=scene.precision == "float"
-    )
-    return alone and (
-        v.width == 1
-        or allows(budget, friction, v.get("lane_root", "inv"), target, in_floats=_floats(v))
-    )
+    one_float = scene.precision == "float"
+    alone = allows(budget, friction, v.get("root", "inv"), target, one_float=one_float)
+    if v.width == 1 or not alone:
+        return alone
+    return allows(budget, friction, v.get("lane_root", "inv"), target, in_floats=_floats(v))
 
 
 # carom.h promises at most 128 KiB of stack a function of unoptimised code, where every operation of
