@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ....evidence.challenge.place import Extent
+from ....evidence.challenge.ranges import Bounds, cut, known_range, usual
 from ..models import find_model
 from ..scene import Scene
 
@@ -22,14 +23,14 @@ class Envelope:
     scene: Scene
     model: str
     extent: Extent
-    u_b: tuple[float, float]
-    u_s: tuple[float, float]
-    e_b: tuple[float, float]
+    u_b: Bounds
+    u_s: Bounds
+    e_b: Bounds
     radius: float
     mass: float
 
     @property
-    def ranges(self) -> Mapping[str, tuple[float, float]]:
+    def ranges(self) -> Mapping[str, Bounds]:
         return {"u_b": self.u_b, "u_s": self.u_s, "e_b": self.e_b}
 
 
@@ -38,20 +39,10 @@ def envelope(scene: Scene, model: str, extent: Extent) -> Envelope:
 
     promised = dict(find_model(model).most)
 
-    def bounds(key: str, name: str) -> tuple[float, float]:
-        if key in scene.fixed:
-            return scene.fixed[key], scene.fixed[key]
-        low, high = scene.range_of(key)
-        high = max(low, min(high, promised.get(name, high)))
-        if extent == "real":
-            least, most = _REAL[name]
-            low, high = min(max(low, least), high), max(min(high, most), low)
-        return low, high
-
-    def usual(key: str, value: float) -> float:
-        low, high = scene.range_of(key)
-        fixed = scene.fixed.get(key)
-        return fixed if fixed is not None else min(max(value, low), high)
+    def bounds(key: str, name: str) -> Bounds:
+        low, high = known_range(scene, key)
+        promise = low, max(low, min(high, promised.get(name, high)))
+        return cut(promise, _REAL[name]) if extent == "real" else promise
 
     table = bounds("u_s1", "u_s") if scene.table_friction else (0.0, 0.0)
     return Envelope(
@@ -61,6 +52,6 @@ def envelope(scene: Scene, model: str, extent: Extent) -> Envelope:
         bounds("u_b", "u_b"),
         table,
         bounds("e_b", "e_b"),
-        usual("R", _RADIUS),
-        usual("M", _MASS),
+        usual(scene, "R", _RADIUS),
+        usual(scene, "M", _MASS),
     )

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ....evidence.challenge.place import Extent
+from ....evidence.challenge.ranges import Bounds, cut, known_range, usual
 from ..scene import Scene
 
-Bounds = tuple[float, float]
 _RADIUS = 0.03125  # m: a power of two, so that R w is exactly what it was made from
 _MASS = 0.170097
 MOST_ANGLES = 85.0  # degrees, of theta + atan u_s + atan u_w: beyond, compression all but jams
@@ -40,32 +40,15 @@ class Envelope:
 
 def envelope(scene: Scene, model: str, extent: Extent) -> Envelope:
     """The scene's ranges as far as the promise goes, cut down to real use if asked."""
-    radius, mass = _usual(scene, "R", _RADIUS), _usual(scene, "M", _MASS)
+    radius, mass = usual(scene, "R", _RADIUS), usual(scene, "M", _MASS)
     limits = _REAL if extent == "real" else _DOCUMENTED
-    heights = _range(scene, "h")
-    of = {key: _range(scene, key) for key in ("u_s", "u_w", "e_c")}
+    heights = known_range(scene, "h")
+    of = {key: known_range(scene, key) for key in ("u_s", "u_w", "e_c")}
     of["nose"] = (heights[0] / radius, heights[1] / radius)
-    cut = {key: _cut(bounds, limits[key]) for key, bounds in of.items()}
-    return Envelope(scene, model, extent, **cut, radius=radius, mass=mass)
+    within = {key: cut(bounds, limits[key]) for key, bounds in of.items()}
+    return Envelope(scene, model, extent, **within, radius=radius, mass=mass)
 
 
 def angles(nose: float, u_s: float, u_w: float) -> float:
     """theta + atan u_s + atan u_w, degrees."""
     return math.degrees(math.asin(nose - 1) + math.atan(u_s) + math.atan(u_w))
-
-
-def _range(scene: Scene, key: str) -> Bounds:
-    if key in scene.fixed:
-        return scene.fixed[key], scene.fixed[key]
-    return scene.range_of(key)
-
-
-def _cut(bounds: Bounds, limits: Bounds) -> Bounds:
-    """As much of the bounds as lies within the limits; their nearest end where none does."""
-    (low, high), (least, most) = bounds, limits
-    return min(max(low, least), high), max(min(high, most), low)
-
-
-def _usual(scene: Scene, key: str, value: float) -> float:
-    low, high = _range(scene, key)
-    return min(max(value, low), high)

@@ -18,19 +18,11 @@ from ...reduced import (
     reduced_system,
 )
 from ...terms import ContactTerms
+from ..collision_ends import SUMS
 
 KIND = "const Real"
 EQUAL = {s.BETA1: 1, s.BETA2: 1}
 TABLE_2 = (s.T2X, s.T2Y)
-SUMS = {
-    s.DQ: "sum_q",
-    s.D_X: "sum_dx",
-    s.D_Z: "sum_dz",
-    s.T1X: "sum_t1x",
-    s.T1Y: "sum_t1y",
-    s.T2X: "sum_t2x",
-    s.T2Y: "sum_t2y",
-}
 CONTACT = tuple(
     [f"f_{axis}" for axis in "xyz"]
     + [f"{kind}{ball}{axis}" for ball in "12" for kind in "vo" for axis in "xyz"]
