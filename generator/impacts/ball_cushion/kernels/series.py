@@ -42,7 +42,9 @@ class Series:
     share: float = 0.04  # terms of the last order, at most
     before_last: float = 3.0  # times it: terms of the order before
     most_gain: float = 100.0  # times more, where the ball moves along the cushion
-    nearly: float = 0.85  # of the way to where a slip passes zero closely, a step
+    nearly: float = 0.85  # of a slip that passes zero closely may be lost in a step
+    there: float = 0.03  # how exactly
+    away: float = 0.25  # square of the way to zero, at the present rate, up to which none is near
     aside: float = 0.25  # tolerances by which such a slip may turn without it
     beyond: float = 1.3  # of the impulse that is left at the present rate
     near: float = 0.001  # slips below may jump to zero, or follow their balance; in lanes none are
@@ -65,8 +67,9 @@ class Series:
     slippery: float = 1e-100  # friction below it turns nothing, and its square may be no number
 
     @property
-    def nearly_square(self) -> str:
-        return number(sp.Rational(str(self.nearly)) ** 2)
+    def kept(self) -> str:
+        """What a step leaves of a slip that passes zero closely."""
+        return number(1 - sp.Rational(str(self.nearly)))
 
     @property
     def root(self) -> tuple[int, int]:
