@@ -272,21 +272,29 @@ def _build(root: Path, folder: Path, program: str) -> Path:
     return folder / "bench" / program
 
 
+def kept_tool(cache: Path, impact: Impact, root: Path = ROOT) -> Path:
+    """Where a cache keeps the carom_bench of an impact for the sources as they are."""
+    return cache / f"carom_bench_{impact.folder}-{source_hash(impact, root)}"
+
+
+def keep_tool(built: Path, kept: Path) -> None:
+    """Puts a program where it is kept, whole or not at all."""
+    fresh = kept.with_name(f"{kept.name}.{os.getpid()}.tmp")
+    shutil.copy2(built, fresh)
+    fresh.replace(kept)
+
+
 def build_bench_tool(cache: Path, root: Path = ROOT, impact: Impact | None = None) -> BenchTool:
     """carom_bench for the sources as they are and an impact, from the cache if it is there.
 
-    Raises KernelError with the first error of CMake or of the compiler, InputError where the cache
-    is no place for programs.
+    Raises KernelError with the first error, InputError where the cache is no place for programs.
     """
     impact = impact or find_impact(DEFAULT)
     require_temporary()
     require_cache(cache)
-    program = f"carom_bench_{impact.folder}"
-    kept = cache / f"{program}-{source_hash(impact, root)}"
+    kept = kept_tool(cache, impact, root)
     with _locked(cache / "carom_bench.lock"):
         if not kept.exists():
-            built = _build(root, cache / f"carom_bench-build-{_place_hash(root)}", program)
-            fresh = cache / f"{program}.{os.getpid()}.tmp"
-            shutil.copy2(built, fresh)
-            fresh.replace(kept)
+            folder = cache / f"carom_bench-build-{_place_hash(root)}"
+            keep_tool(_build(root, folder, f"carom_bench_{impact.folder}"), kept)
     return BenchTool(kept, impact, timing_hash(impact, root))
