@@ -113,7 +113,11 @@ def variants_of(arguments: argparse.Namespace) -> dict[str, Variant]:
     if arguments.lanes > 1:
         ways = {"numbers": "float", "interleave": "s2", "lane_root": "est1"}
         made = made.in_lanes(arguments.lanes, **ways)
-        return {"tiers": made.with_options(lane_tiers="fixed"), "adaptive": made, "paper": paper}
+        return {
+            "tiers": made.with_options(lane_tiers=arguments.tiers),
+            "adaptive": made,
+            "paper": paper,
+        }
     return {
         "tiers": made.with_options(tiers=arguments.tiers),
         "adaptive": made,

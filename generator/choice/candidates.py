@@ -238,7 +238,8 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
         if compiler != "clangold"
         for width, root, interleave, numbers in ways
     ]
-    found += [v.with_options(lane_tiers="fixed") for v in found if v["numbers"] == "float"]
+    tiered = [v for v in found if v["numbers"] == "float"]
+    found += [v.with_options(lane_tiers=kind) for kind in ("fixed", "sticking") for v in tiered]
     return [v for v in found if broken_rule(v, target) is None]
 
 

@@ -196,6 +196,7 @@ AXES: tuple[Axis, ...] = (
         lanes=True,
         adaptive="nothing",
         fixed="a few fixed steps, of those collisions that a certificate says they will do for",
+        sticking="the same, and fixed steps to where contact sticks",
     ),
     _axis(
         "compiler",

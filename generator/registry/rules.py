@@ -248,8 +248,7 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "tiers-need-a-bound",
-        "no certificate of fixed steps is known for the model and the budget: use tiers=adaptive "
-        "and lane_tiers=adaptive",
+        "no certificate of fixed steps is known here: use tiers=adaptive and lane_tiers=adaptive",
         lambda v, _t: (
             (_fixed(v, "tiers") or _fixed(v, "lane_tiers"))
             and not _tiers(v).has_bound(v.model, v.stepper.budget or 0.0)
@@ -257,10 +256,9 @@ RULES: tuple[Rule, ...] = (
     ),
     Rule(
         "sticking-tiers-need-a-bound",
-        "no certificate of steps to where contact sticks is known for the model and the budget: "
-        "use tiers=fixed",
+        "no certificate of steps to sticking is known here: use tiers=fixed and lane_tiers=fixed",
         lambda v, _t: (
-            v.get("tiers") == "sticking"
+            "sticking" in (v.get("tiers"), v.get("lane_tiers"))
             and not _tiers(v).has_sticking(v.model, v.stepper.budget or 0.0)
         ),
     ),

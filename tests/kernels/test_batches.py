@@ -40,6 +40,7 @@ KERNELS = (
 )
 IN_FLOATS = {"numbers": "float", "interleave": "s2", "lane_root": "est1"}
 FIXED_FIRST = {**IN_FLOATS, "lane_tiers": "fixed"}
+TO_STICKING = {**IN_FLOATS, "lane_tiers": "sticking"}
 # target, lanes, tableau, budget, options: exact kernels, with the vocabularies that they share.
 IN_DOUBLES = (
     ("x86-64-v2", 2, "dp54", 1e-6, {"interleave": "i1", "root": "est1", "fma": "nofma"}),
@@ -57,6 +58,11 @@ STEPS_IN_FLOATS = (
     ("x86-64-v2", 4, "dp54", 1e-6, {**FIXED_FIRST, "lane_root": "cubic", "fma": "nofma"}),
     ("x86-64-v3", 8, "dp54", 1e-6, {**FIXED_FIRST, "interleave": "i1", "fma": "fma"}),
     ("x86-64-v4", 16, "dp54", 1e-6, {**FIXED_FIRST, "fma": "fma"}),
+    ("x86-64-v3", 8, "ss43", 1e-3, {**FIXED_FIRST, "fma": "fma"}),
+    # And steps to where contact sticks.
+    ("x86-64-v2", 4, "dp54", 1e-6, {**TO_STICKING, "lane_root": "cubic", "fma": "nofma"}),
+    ("x86-64-v3", 8, "dp54", 1e-6, {**TO_STICKING, "fma": "fma"}),
+    ("x86-64-v4", 16, "dp54", 1e-6, {**TO_STICKING, "fma": "fma"}),
 )
 EXACT = (*IN_DOUBLES, *STEPS_IN_FLOATS)
 # The same in scene `arcade`: lanes of float, twice as many.
@@ -111,7 +117,8 @@ def _what(kernel):
     """What tells a row of those tables from others of its target and width."""
     if len(kernel) == 3:
         return kernel[2]["finished"]
-    return f"{kernel[2]}{'-fixed' if 'lane_tiers' in kernel[4] else ''}"
+    tiers = kernel[4].get("lane_tiers", "")
+    return f"{kernel[2]}-{kernel[3]:g}{'-' if tiers else ''}{tiers}"
 
 
 @pytest.fixture(

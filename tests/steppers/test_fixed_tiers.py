@@ -18,7 +18,7 @@ from generator.impacts.ball_ball.masses import EQUAL, pressed_changes
 from generator.impacts.ball_ball.models import MODELS, find_model
 from generator.impacts.ball_ball.steppers.exact.pressed import Pressed
 from generator.impacts.ball_ball.steppers.tiers.lookup import bound_for
-from generator.impacts.ball_ball.steppers.tiers.sticking import rates
+from generator.impacts.ball_ball.steppers.tiers.sticking import rates, slips
 from generator.impacts.ball_ball.steppers.tiers.whole import end_weights, stage, stage_alone
 from generator.impacts.ball_ball.tiers import has_bound, has_sticking
 from generator.registry.rules import broken_rule
@@ -91,7 +91,9 @@ def test_the_rates_into_sticking_are_those_of_the_equations() -> None:
     pressed = Pressed.of(pressed_changes(find_model("mathavan2014").terms, EQUAL))
     names = "r m on.star square on.size on.start.u_s steep wide on.along on.pull on.press"
     at = {name: random.Random(name).uniform(0.1, 1) for name in names.split()}
-    found = _values(rates(pressed), at | {"per_m": 1 / at["m"], "kTinySquare": 0.0})
+    found = _values(
+        (*slips(pressed), *rates(pressed)), at | {"per_m": 1 / at["m"], "kTinySquare": 0.0}
+    )
     k_x, u_s = float(pressed.k_x), at["on.start.u_s"]
     u_x, u_y = found["u_x"], found["u_y"]
     falls = float(pressed.k_z) - float(pressed.k_zt) * u_s * u_y  # of log c_z, in w

@@ -30,6 +30,7 @@ from .whole import PRINTER, Text
 TINY = constant("kTinySquare")
 RESTS = 2e-7  # of the approach velocity: a table slip that is none
 LEAST_LEFT = 0.05  # of the way to sticking: beyond it no step of the second phase is tried
+WORST_PHASE = 2  # its weights are those of a worst step over all of q
 SETS_OFF = 1e-6  # of it: where the table slip is put that was none, on the way that it will go
 
 
@@ -70,7 +71,7 @@ def certificate(bound: Bound, pressed: Pressed) -> Text:
     _rubbed(lines, bound)
     lines.number("reach_3", _cube(number("reach")))
     lines.number("near_3", _cube(number("near")))
-    _tier(lines, bound.whole, 0, "")
+    _tier(lines, bound.whole, 0)
     return lines.part()
 
 
@@ -92,21 +93,18 @@ def further(bound: Bound, pressed: Pressed) -> Text:
     From `slips`, `approach_1`, `u_b`, `u_s`, `near` and `relative`, as `certificate` has them.
     """
     lines = Lines(PRINTER)
-    per_c, n_z = _direction(lines)
+    _, n_z = _direction(lines)
     lines.number("push", number("u_b") * n_z)
     lines.number("q", number("end.half") * number("approach_1"))
     _weighed_by(lines, bound, pressed)
     _phases(lines, bound, pressed)
     if any(isinstance(tier, Tier) for tier in bound.tiers[1:]):
-        lines.number("rubs", number("push") * number("q"))
         _rubbed(lines, bound)
-        _way(lines, pressed, per_c, n_z)
-        lines.number("beyond", 1 - number("part"))
     for i, tier in enumerate(bound.tiers[1:], 1):
         if isinstance(tier, ByPhase):
             _tier_by_phase(lines, tier, i)
         else:
-            _tier(lines, tier, i, _in_steps(lines, tier))
+            _in_steps(lines, tier, i)
     return lines.part()
 
 
@@ -141,33 +139,44 @@ def _rubbed(lines: Lines, bound: Bound) -> None:
     lines.mask("rubbed", within)
 
 
-def _in_steps(lines: Lines, tier: Tier) -> str:
-    """Reach and near of the worst of a tier's steps; what their names end with.
+def _in_steps(lines: Lines, tier: Tier, i: int) -> None:
+    """The mask `tier<i>` of many steps a phase, by reach and near of the worst of either phase's.
 
-    The last step ends where the way does. The passage counts as in the middle of a step, the worst
+    Its last step ends where its way does. The passage counts as in the middle of a step, the worst
     place: 1/near^2 - 1 is the square of what it misses zero by, over half of the step.
     """
-    name, part, near = str(tier.steps), number("part"), number("near")
-    edge = lines.number(f"edge{name}", Fraction(1, 4 * tier.steps) * part)
-    reach = lines.number(f"reach{name}", edge * rough_inverse(edge + number("beyond")))
-    square = lines.number(f"square{name}", near * near)
-    miss = fma((2 * tier.steps) ** 2, larger(1 - square, 0), square)
-    passes = lines.number(f"near{name}", near * rough_rsqrt(miss))
-    lines.number(f"reach{name}_3", _cube(reach))
-    lines.number(f"near{name}_3", _cube(passes))
-    return name
+    missed = []
+    for phase in "ab":
+        name = f"{phase}{tier.steps}"
+        part, near = number(f"part_{phase}"), number(f"near_{phase}")
+        edge = lines.number(f"edge_{name}", Fraction(1, 2 * tier.steps) * part)
+        lines.number(f"reach_{name}", edge * rough_inverse(edge + (1 - part)))
+        square = lines.number(f"square_{name}", near * near)
+        miss = fma(tier.steps**2, larger(1 - square, 0), square)
+        lines.number(f"near_{name}", near * rough_rsqrt(miss))
+        _powers(lines, f"reach_{name}", {t.reach for t in tier.terms})
+        _powers(lines, f"near_{name}", {t.near for t in tier.terms})
+        off = number(f"q_{phase}") * _weighed(lines, tier, f"_{name}", f"_{name}")
+        missed.append(lines.number(f"off_{name}", off))
+    total = lines.number(f"off{i}", WORST_PHASE * number("push") * (missed[0] + missed[1]))
+    within = both(number("most_way") < tier.most_way, number("most_near") < tier.most_near)
+    lines.mask(f"tier{i}", both(both(within, mask("rubbed")), total < number("room")))
 
 
-def _tier(lines: Lines, tier: Tier, i: int, steps: str) -> None:
-    """A mask `tier<i>`: would it be exact enough? `steps`: what names of its step end with."""
+def _tier(lines: Lines, tier: Tier, i: int) -> None:
+    """A mask `tier<i>`: would it be exact enough?"""
+    off = lines.number(f"off{i}", number("rubs") * _weighed(lines, tier, str(i), ""))
+    within = both(number("way") < tier.most_way, number("near") < tier.most_near)
+    lines.mask(f"tier{i}", both(both(within, mask("rubbed")), off < number("room")))
+
+
+def _weighed(lines: Lines, tier: Tier, i: str, steps: str) -> Number:
+    """What a way misses over the impulse of friction; `steps`: what names of its step end with."""
     rub = _total(lines, f"passes{i}", steps, [t for t in tier.terms if not t.turning])
     if tier.work:
         rub = fma(number("end.work") * number("near"), number("near_3"), rub)
     turn = _total(lines, f"turns{i}", steps, [t for t in tier.terms if t.turning])
-    weighed = fma(number("u_s"), rub, number("n_x") * turn)
-    off = lines.number(f"off{i}", number("rubs") * weighed)
-    within = both(number("way") < tier.most_way, number("near") < tier.most_near)
-    lines.mask(f"tier{i}", both(both(within, mask("rubbed")), off < number("room")))
+    return fma(number("u_s"), rub, number("n_x") * turn)
 
 
 def _phases(lines: Lines, bound: Bound, pressed: Pressed) -> None:
@@ -272,9 +281,8 @@ def _total(lines: Lines, name: str, steps: str, terms: Sequence[Term]) -> Number
 
 def _power(of: str, cubes: int) -> Number | None:
     """of^(3 cubes), from the names that are there."""
-    if "_" in of and cubes:
-        return number(f"{of}_{3 * cubes}")
+    if "_" in of:
+        return number(f"{of}_{3 * cubes}") if cubes else None
     cube = number(f"{of}_3")
-    return {0: None, 1: cube, 2: cube * cube, 3: cube * cube * cube}.get(
-        cubes, (cube * cube) * (cube * cube)
-    )
+    known = {0: None, 1: cube, 2: cube * cube, 3: cube * cube * cube}
+    return known.get(cubes, (cube * cube) * (cube * cube))

@@ -85,5 +85,5 @@ def tier_context(
         columns=(*range(3, 9), *range(12, 18)),
         level_q="0.5",
         level_stick=number(1 / pressed.k_x),
-        sticking=StickText.of(sticks, tableau, pressed) if sticks else None,
+        sticking=StickText.of(sticks, tableau, pressed, alone) if sticks else None,
     )

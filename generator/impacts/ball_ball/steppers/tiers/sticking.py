@@ -67,14 +67,11 @@ def begin(pressed: Pressed) -> Text:
     return lines.part()
 
 
-def rates(pressed: Pressed) -> Text:
-    """The rates of t_x, t_y, q, r and of the work at y, for a step h.
-
-    `m` and `per_m` are y^bend and its inverse, `wide` is 2 h y, `steep` 2 h / y.
-    """
+def slips(pressed: Pressed) -> Text:
+    """Where the table slip is: `s_x` and `s_y` from what has been added up."""
     lines, p = Lines(PRINTER), pressed
     t_x, t_y, q, r = numbers("t_x t_y q r")
-    square, m, per_m, wide, steep, u_s = numbers("square m per_m wide steep on.start.u_s")
+    square, m = numbers("square m")
     ratio = lines.number("ratio", fma(r, m, _ON.star))
     left = lines.number("left", square * _ON.size, "of -c_z")
     lines.remark("Impulses of contact follow from the slips")
@@ -82,7 +79,19 @@ def rates(pressed: Pressed) -> Text:
     lines.number("s_x", fma(times(p.recoil / p.k_x, left), ratio, s_x))
     s_y = fma(-given(p.k_b / p.k_z), left, fma(given(p.drive), q, _ON.e_y))
     lines.number("s_y", fma(given(p.k_f - p.k_b * p.k_zt / p.k_z), t_y, s_y))
-    s_x, s_y = numbers("s_x s_y")
+    return lines.part()
+
+
+def rates(pressed: Pressed) -> Text:
+    """The rates of t_x, t_y, q, r and of the work at y, for a step h, where the slip is s.
+
+    `m` and `per_m` are y^bend and its inverse, `wide` is 2 h y, `steep` 2 h / y.
+    """
+    lines, p = Lines(PRINTER), pressed
+    t_y, q, r = numbers("t_y q r")
+    m, per_m, wide, steep, u_s = numbers("m per_m wide steep on.start.u_s")
+    ratio = lines.number("ratio", fma(r, m, _ON.star))
+    s_x, s_y = Fields("s").x, Fields("s").y
     per_s = lines.number("per_s", rsqrt(fma(s_x, s_x, fma(s_y, s_y, TINY))))
     u_x, u_y = lines.number("u_x", s_x * per_s), lines.number("u_y", s_y * per_s)
     per = lines.number("per", near_inverse(fma(-given(p.k_zt) * u_s, u_y, p.k_z)))
@@ -210,12 +219,12 @@ def _approach(pressed: Pressed) -> Number:
     return fma(given(pressed.approach), _ON.t_y, fma(2, _ON.q, _ON.v))
 
 
-def end(pressed: Pressed) -> Text:
+def end(pressed: Pressed, alone: bool) -> Text:
     """Impulses of the whole collision, `all_` and their names: friction ends with the slip."""
     lines, ended, v = Lines(PRINTER), _END, number("approach")
     at = Fields("on.at")
     kept = ended.kept * (_ON.work - _ON.after)
-    aimed = fma(ended.base, v * v, fma(ended.both, _ON.work, kept))
+    aimed = fma(ended.base, v * v, fma(ended.both if alone else 2, _ON.work, kept))
     lines.number("v_end", sqrt(larger(aimed, 0)))
     lines.number("all_q", 0.5 * fma(-given(pressed.approach), _ON.t_y, number("v_end") + v))
     slid = fma(given(pressed.k_xt), _ON.t_x, -at.c_x)
@@ -230,6 +239,7 @@ class StickText:
 
     surely: Text
     begin: Text
+    slips: Text
     rates: Text
     ways: tuple[Way, ...]
     end: Text
@@ -238,13 +248,14 @@ class StickText:
     nodes: tuple[int, ...]
 
     @classmethod
-    def of(cls, sticks: Sticks, tableau: PlainTableau, pressed: Pressed) -> StickText:
+    def of(cls, sticks: Sticks, tableau: PlainTableau, pressed: Pressed, alone: bool) -> StickText:
         return cls(
             surely=surely(sticks, pressed),
             begin=begin(pressed),
+            slips=slips(pressed),
             rates=rates(pressed),
             ways=ways(sticks, tableau, pressed),
-            end=end(pressed),
+            end=end(pressed, alone),
             approach=PRINTER.print(_approach(pressed).form),
             work_after=work_after(tableau, pressed),
             nodes=tuple(range(len(tableau.nodes))),
