@@ -15,7 +15,7 @@ from ..registry.lane_numbers import float_lanes
 from ..registry.lanes import widths_of
 from ..registry.names import name_of
 from ..registry.question import DEFAULT_IMPACT, Contest, Goal, Question
-from ..registry.recipe import FIXED
+from ..registry.recipe import FIXED, SERIES
 from ..registry.roots import COARSEST_FIRST, allows
 from ..registry.rules import broken_rule
 from ..registry.variant import Variant, answered
@@ -158,6 +158,8 @@ def default_lanes(single: Variant, target: Target) -> Variant:
     widest = max(widths_of(target, known.precision))
     if widest == 1 or (not ways if fixed else known.without_exact_lanes):
         return single
+    if not fixed and single.question.row.has_series:
+        return (_series_batches(single, target, ()) or [single])[0]
     if not fixed:
         floats, way = float_lanes(single, target), _exact_interleave(known, target)
         root = _exact_lane_roots(single, target, bool(floats))[0]
@@ -221,6 +223,8 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
     scene = single.question.known_scene
     if scene.without_exact_lanes:
         return []
+    if single.question.row.has_series:
+        return _series_batches(single, target, compilers)
     there = widths_of(target, scene.precision)
     widest, *narrower = sorted((w for w in there if w > 1), reverse=True)
     roots = _exact_lane_roots(single, target)
@@ -241,6 +245,27 @@ def _exact_batches(single: Variant, target: Target, compilers: Iterable[str]) ->
     tiered = [v for v in found if v["numbers"] == "float"]
     found += [v.with_options(lane_tiers=kind) for kind in ("fixed", "sticking") for v in tiered]
     return [v for v in found if broken_rule(v, target) is None]
+
+
+def _series_batches(single: Variant, target: Target, compilers: Iterable[str]) -> list[Variant]:
+    """Power series in lanes of doubles, the widest and the next; other steps beside them have none.
+
+    A page loads the text, so WebAssembly has none, either. Without compilers that of single calls.
+    """
+    if single.stepper.name != SERIES or target.has("simd128"):
+        return []
+    widths = sorted((w for w in widths_of(target) if w > 1), reverse=True)[:2]
+    named = [compiler for compiler in compilers if compiler != "clangold"]
+    return [
+        single.in_lanes(width, compiler=compiler, **_placed(single))
+        for compiler in named or [single["compiler"]]
+        for width in widths
+    ]
+
+
+def _placed(single: Variant) -> Options:
+    """Where the compiler places products that are added, lanes have none."""
+    return {"fma": "fma"} if single["fma"] == "autofma" else {}
 
 
 def baseline(contest: Contest, compilers: Iterable[str]) -> Variant:

@@ -87,6 +87,11 @@ RULES: tuple[Rule, ...] = (
         lambda v, _t: v.stepper.name == SERIES and not v.question.row.has_series,
     ),
     Rule(
+        "lanes-of-series-alone",
+        "of an impact with power series these alone have lanes: use the stepper series, or width 1",
+        lambda v, _t: v.width > 1 and v.question.row.has_series and v.stepper.name != SERIES,
+    ),
+    Rule(
         "fma-needs-hardware",
         "the target has no fused multiply-add, and a library call for each would be slow",
         lambda v, t: v.get("fma") in ("fma", "autofma") and not t.has("fma"),

@@ -39,10 +39,6 @@ class Scene(BaseScene):
             return f"fixed.h: theta + atan u_s + atan u_w is {total:g} degrees; expected below 90"
         return ""
 
-    @property
-    def without_exact_lanes(self) -> str:
-        return "batches of a cushion go one by one"
-
 
 def parse_scene(text: str, source: str) -> Scene:
     """A scene from TOML text. Raises InputError that names the file and the key."""

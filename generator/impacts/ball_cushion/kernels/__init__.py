@@ -6,7 +6,6 @@ from ....emission.context import KernelContext, KernelHead, Kernels
 from ....errors import InputError
 from ....lowering.lanes import LaneContext, lane_context
 from ....registry.axes import axis
-from ....registry.recipe import SERIES
 from .. import words
 from ..models import find_model
 from ..scene import Scene
@@ -42,8 +41,6 @@ def _require_options(head: KernelHead) -> None:
 def _fixed_step(head: KernelHead, scene: Scene) -> CushionContext:
     if not scene.fixed_steps:
         raise InputError(f"--scene {scene.name}: {words.NO_FIXED_STEPS}")
-    if head.variant.width > 1:
-        raise InputError(f"{head.impact.name}: fixed steps have no lanes; expected width 1")
     terms = find_model(head.variant.model).terms
     parts = fixed_step_parts(terms, head.places_fma)
     return CushionContext(
@@ -63,10 +60,6 @@ def _lanes(head: KernelHead) -> LaneContext | None:
     variant = head.variant
     if variant.width == 1:
         return None
-    if variant.stepper.name != SERIES:
-        raise InputError(
-            f"{head.impact.name}: lanes are for the stepper {SERIES}; expected width 1"
-        )
     return lane_context(head.target, variant.width, fma=head.places_fma, estimates=False)
 
 
