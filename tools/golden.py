@@ -3,6 +3,7 @@
     .venv/bin/python tools/golden.py            compare with the kept hashes; 1 where one differs
     .venv/bin/python tools/golden.py --every 20 compare each 20th
     .venv/bin/python tools/golden.py --rewrite  keep the hashes of today's texts of the same kernels
+                                                and of those with fixed tiers
     .venv/bin/python tools/golden.py --write    the same, of kernels that are drawn anew
 
 A line holds what is wanted of a kernel (no name: the grammar of names may change) and the hashes of
@@ -32,6 +33,7 @@ from generator.registry.axes import axes_of  # noqa: E402
 from generator.registry.lane_numbers import widths_for  # noqa: E402
 from generator.registry.rules import broken_rule  # noqa: E402
 from generator.registry.variant import Stepper, Variant, fixed_steps, make_variant  # noqa: E402
+from generator.steppers.budgets import tableaus_for  # noqa: E402
 from generator.tableaus.tableaus import TABLEAUS  # noqa: E402
 from generator.targets.target import target_or_port  # noqa: E402
 
@@ -131,18 +133,37 @@ def _write() -> None:
     named = [entry.variant for s in selections if s is not None for entry in s.kernels]
     with ProcessPoolExecutor(2) as pool:
         drawn = [row for rows in pool.map(_draws, range(20), [DRAWN // 20] * 20) for row in rows]
-        committed = [wanted(v) for v in named]
+        committed = [*map(wanted, named), *_tiered()]
         rows = [{**w, **h} for w, h in zip(committed, pool.map(hashes, committed), strict=True)]
     lines = sorted({json.dumps(row) for row in (*rows, *drawn)})
     KEPT.write_text("\n".join(lines) + "\n", "utf-8")
-    print(f"{len(lines)} kernels, {len(rows)} of them in generated/")
+    print(f"{len(lines)} kernels, {len(named)} of them in generated/")
+
+
+def _tiered() -> list[dict[str, object]]:
+    """Kernels with fixed tiers, by call and in lanes of floats: hardly any draw has them."""
+    found = []
+    for model, budget in (("mathavan2014", 1e-6), ("bottom_slip", 1e-3), ("pooltool", 1e-4)):
+        stepper = Stepper(tableaus_for(budget)[0], budget=budget)
+        for target, width in (("x86-64-v2", 4), ("x86-64-v3", 8), ("zen4", 16)):
+            known = target_or_port(target)
+            ways = {"fma": "fma" if known.has("fma") else "nofma", "root": "cubic"}
+            alone = make_variant(target, "any", model, stepper, 1, **ways)
+            for kind in ("fixed", "sticking"):
+                lanes = {"numbers": "float", "interleave": "s2", "lane_tiers": kind}
+                made = (alone.with_options(tiers=kind), alone.in_lanes(width, **lanes))
+                found += [wanted(v) for v in made if broken_rule(v, known) is None]
+    return found
 
 
 def _rewrite() -> None:
     rows, now = _kept_and_now(1)
-    lines = [json.dumps({**row, **h}) for row, h in zip(rows, now, strict=True)]
+    kept = [{key: row[key] for key in row if key not in now[0]} for row in rows]
+    more = [want for want in _tiered() if want not in kept]
+    rows, now = [*rows, *more], [*now, *map(hashes, more)]
+    lines = sorted({json.dumps({**row, **h}) for row, h in zip(rows, now, strict=True)})
     KEPT.write_text("\n".join(lines) + "\n", "utf-8")
-    changed = sum(any(row[k] != h[k] for k in h) for row, h in zip(rows, now, strict=True))
+    changed = sum(any(row.get(k) != h[k] for k in h) for row, h in zip(rows, now, strict=True))
     print(f"{len(rows)} kernels: {changed} have new hashes")
 
 
