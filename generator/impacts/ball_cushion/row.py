@@ -20,8 +20,11 @@ def _words() -> Words:
 
 
 def _sensitivity(_model: str) -> Sensitivity:
-    """As between two balls, until it is measured."""
-    return Sensitivity(2.4, adds_up=True)
+    """What the oracle finds over the search's charts is at most 17, next to the jam at 85 degrees.
+
+    `pytest -s tests/impacts/ball_cushion/test_sensitivity.py` measures it.
+    """
+    return Sensitivity(20.0, adds_up=True)
 
 
 BALL_CUSHION = Impact(
