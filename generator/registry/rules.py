@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ..tableaus.tableaus import TABLEAUS
 from ..targets.target import Target
 from .lane_numbers import precision_of, steps_in_doubles
 from .lanes import widths_of
 from .recipe import SERIES
 from .roots import EXACT_ROOTS, allows, allows_floats
+from .stack import MOST_UNOPTIMISED, unoptimised_stack
 from .variant import Variant
 
 
@@ -59,25 +59,6 @@ def _roots_in_budget(v: Variant, target: Target) -> bool:
     if v.width == 1 or not alone:
         return alone
     return allows(budget, friction, v.get("lane_root", "inv"), target, in_floats=_floats(v))
-
-
-# carom.h promises at most 128 KiB of stack a function of unoptimised code, where every operation of
-# a step has its own place. Vectors that Clang's `make_step` takes, by nonzero weights of stages and
-# interpolant: 732 for 10 (ss43), 1116 for 26 (dp54), 1734 for 68 (dp87), 2795 for 130 (dop853).
-# What is within that keeps to 32 KiB when optimised. In pairs (`s2`) every stage is a function.
-MOST_UNOPTIMISED = 128 << 10
-_STEP_VECTORS, _VECTORS_A_WEIGHT = 700, 17
-
-
-def unoptimised_stack(v: Variant) -> int:
-    """Bytes that the largest function of exact lanes takes of the stack, unoptimised; at most."""
-    plain = v.stepper.family != "exact" or v.stepper.name == SERIES
-    if v.width == 1 or plain or _closed(v) or v.paired:
-        return 0
-    tableau = TABLEAUS[v.stepper.name]
-    weights = sum(bool(weight) for row in (*tableau.rows, *tableau.dense) for weight in row)
-    vector = v.width * v.vectors * (4 if precision_of(v) == "float" else 8)
-    return vector * (_STEP_VECTORS + _VECTORS_A_WEIGHT * weights)
 
 
 RULES: tuple[Rule, ...] = (

@@ -12,7 +12,8 @@ import pytest
 import tests.kernels.test_degenerate as test_degenerate
 from generator.emission.kernel_source import emit
 from generator.evidence.timing.bench_tool import ROOT
-from generator.registry.rules import MOST_UNOPTIMISED, broken_rule, unoptimised_stack
+from generator.registry.rules import broken_rule
+from generator.registry.stack import MOST_UNOPTIMISED, unoptimised_stack
 from generator.registry.variant import Stepper, Variant, make_variant
 from generator.targets.host import read_host
 from generator.targets.target import find_target
