@@ -13,7 +13,6 @@ from ..choice.seeds import recorded_of, seeds_of, steppers_of
 from ..choice.trials import Final
 from ..errors import InputError, KernelError
 from ..evidence.records.evidence import Timings
-from ..registry.axes import axes_of
 from ..registry.lane_numbers import widths_for
 from ..registry.question import Contest
 from ..registry.variant import Variant
@@ -61,7 +60,7 @@ def held_options(contest: Contest, target: Target) -> dict[str, tuple[str, ...]]
         return {}
     family = contest.goal.family
     first = default_kernel(contest)
-    alone = [axis.key for axis in axes_of(family) if axis.family == family and not axis.lanes]
+    alone = [axis.key for axis in first.axes if axis.family == family and not axis.lanes]
     return {key: (first[key],) for key in alone}
 
 
