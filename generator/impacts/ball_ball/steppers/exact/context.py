@@ -52,7 +52,7 @@ class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
     most_turns: int = 8  # runs of a collision in which errors grow
     literal: type[Literal] = Literal
     reach: float = 0.65  # what `Declared` says of kReach and kLittleBounce
-    little_bounce: float = 0.01
+    little_bounce: float = 0.001
     radau: Radau = RADAU
     no_press: str = "1e-17"  # c_z over c_x up to which no ball is pressed
     no_approach: str = "1e-140"  # v_n over other speeds up to which all is lost in rounding
