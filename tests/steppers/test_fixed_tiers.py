@@ -200,6 +200,30 @@ def test_fixed_steps_of_single_calls_hold_the_budget(
     assert relative[worst] <= budget
 
 
+@pytest.mark.parametrize(
+    ("model", "budget", "kind"),
+    [
+        ("mathavan2014", 1e-6, "sticking"),
+        ("bottom_slip", 1e-3, "fixed"),
+        ("pooltool", 1e-3, "fixed"),
+        ("pooltool", 1e-4, "sticking"),
+    ],
+)
+def test_fixed_steps_in_lanes_hold_the_budget(model: str, budget: float, kind: str) -> None:
+    tool = bench_tool()
+    alone = exact_variant(model, budget, "clang")
+    ways = {"numbers": "float", "interleave": "s2", "lane_root": alone["root"]}
+    made = alone.in_lanes(8, lane_tiers=kind, **ways)
+    assert broken_rule(made, find_target(made.target)) is None
+    cases = tool.make_cases(33, 5000, mixed=False)
+    want = tool.expect(cases.rows, "screen", model)
+    got = tool.run_kernel(built([made])[0], cases.rows, batch=True)
+    relative = errors_of(cases.rows, got, want).relative
+    worst = int(np.argmax(relative))
+    print(f"{made.recipe}: {relative[worst]:.2g} ({cases.kinds[worst]})")
+    assert relative[worst] <= budget
+
+
 def test_the_stages_of_single_calls_are_those_of_lanes() -> None:
     """Slips at each stage, from the same rates, in exact numbers."""
     terms, tableau = find_model("mathavan2014").terms, BUTCHER_6
