@@ -38,6 +38,7 @@ LOW_ORDERS: tuple[Tableau, ...] = (
         ),
         row("1251515/8970912 3710105/8970912 2519695/8970912 61105/8970912 119041/747576"),
         "Sofroniou, Spaletta, Math. Comput. Modelling 40 (2004) 1157",
+        work_share=0.75,
     ),
     Tableau(
         "dp54",

@@ -38,6 +38,9 @@ class Tableau:
     dense: tuple[Row, ...] = ()  # the interpolant's coefficients beyond the cubic of Hermite
     extra: tuple[Row, ...] = ()  # further stages, for the interpolant alone
     second: Row = ()  # weights of a second, coarser embedded method that steadies the estimate
+    work_share: float = (
+        2.5  # most error of a work over what is seen (tests/steppers/test_tail_work)
+    )
     rounding: float = 0.0  # how far published roundings may be from the order conditions
 
     @property

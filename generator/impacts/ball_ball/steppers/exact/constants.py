@@ -101,6 +101,13 @@ class Declared:
         "nodes of that step",
         "derived (ellipse.py); a test holds C against 500 paths off its grid",
     )
+    tail_work = _named(
+        "kTailWork",
+        "1",
+        "half of the most that the work of a step into sticking is off by over its two embedded "
+        "errors, of q and of itself: 2.5, of `ss43` 0.75",
+        "computed for directions of s that stay; a test holds it",
+    )
     order = _named("kOrder", "1/64", "64 over the order p: `power` takes 64ths", "exact")
     safe = _named("kSafe", "tol", "errors are aimed at this share of the tolerance")
     reach = _named("kReach", "1", "share of the way to sticking that a step may take: 0.65")

@@ -213,6 +213,11 @@ class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
         return _figures(SPIN * sticking_bound(self.tableau)[0] / self.pressed.least_k_z)
 
     @property
+    def tail_work(self) -> float:
+        """What the step into sticking may miss of its work, over twice its embedded errors."""
+        return _figures(0.5 * self.tableau.work_share)
+
+    @property
     def landing_turns(self) -> int:
         """Newton iterations for the end of a collision on an interpolant, where it takes any."""
         return 4 if self.dense_landing else 2

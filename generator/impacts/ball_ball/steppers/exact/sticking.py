@@ -66,8 +66,8 @@ class StickingLines:
     starts: Text
     contact: Text
     stuck: Text
-    error: Text
     ends: Text
+    error: Text
     surely: Text
     capped: Text
     moves: Text
@@ -84,8 +84,8 @@ def sticking_lines(of: Sticking) -> StickingLines:
         starts=_starts(),
         contact=_contact(pressed, times(pressed.k_xt, T_X), -AT.c_z),
         stuck=_set(s_x=S_X0 + s_x, s_y=S_Y0 + s_y),
-        error=_error(of.power),
         ends=_ends(pressed),
+        error=_error(of),
         surely=_surely(pressed),
         capped=_capped(),
         moves=_moves(pressed),
@@ -178,7 +178,7 @@ def _starts() -> Text:
     return lines.part()
 
 
-def _error(steep_power: int) -> Text:
+def _error(of: Sticking) -> Text:
     """By the embedded method, but no smaller than what its nodes can miss of the turning of s."""
     lines = Lines(PRINTER)
     e_x, e_y, e_q, s_x, s_y = numbers("e_x e_y e_q s_x s_y")
@@ -197,10 +197,23 @@ def _error(steep_power: int) -> Text:
     passed = call("steepness", S_X0, S_Y0, n_0 * per_0, s_x, s_y, n_1 * per_1)
     steep = lines.number("steep", passed)
     most = Declared.tail_unseen * START.u_s * absolute(AT.c_z)
-    missed = most * reduce(lambda a, b: a * b, [steep] * steep_power)
+    missed = most * reduce(lambda a, b: a * b, [steep] * of.power)
     unseen = lines.number("unseen", select(PLAN.mask("at_rest"), 0, missed))
-    lines.number("error", larger(estimate, unseen))
+    lines.number("error", larger(larger(estimate, unseen), _work_missed(of.pressed, lines)))
     return lines.part()
+
+
+def _work_missed(pressed: Pressed, lines: Lines) -> Number:
+    """What q at the end is off by for the work: one of two embedded errors shows it."""
+    e_q, e_j, v_last = numbers("e_q e_j v_last")
+    lines.remark(
+        "Twice what the work is off by is what v_n^2 at the end is: over v_n, what 2 q is."
+    )
+    both_errors = fma(2 * absolute(END.y), absolute(e_q), absolute(e_j))
+    by_work = absolute(times(pressed.approach, both_errors))
+    share = select(mask("compressing"), START.e_b * START.e_b, 1)
+    per_v = lines.number("per_v", share * rough_inverse(v_last + TOL))
+    return lines.number("work_missed", Declared.tail_work * by_work * per_v)
 
 
 def _ends(pressed: Pressed) -> Text:

@@ -65,11 +65,25 @@ class TailText(StepText):
         if tableau.second:
             assigns += self._tail_errors(tableau.second_error, "e3", parts[:2])
             joint = tuple(f"{KIND} e_{n} = joint_error(e5_{n}, e3_{n});" for n in parts[:2])
-        used = [j for j, w in enumerate(tableau.b) if w != 0 and tableau.c[j] < 1]
-        power = [Assign(f"p{j}", symbol(f"w{j}.v") * symbol(f"w{j}.k.y"), KIND) for j in used]
-        mean = ordered_sum([(tableau.b[j], symbol(f"p{j}")) for j in used], self.place_fma)
-        end = self._part([*assigns, *power, Assign("dj", mean, KIND)])
+        work = self._tail_work()
+        end = self._part([*assigns, *work])
         return Part((*lines, *end.lines, *joint), counts + end.counts)
+
+    def _tail_work(self) -> list[Assign]:
+        """The work of table friction, and the embedded error of it."""
+        tableau = self.tableau
+        before = [j for j in range(tableau.stages) if tableau.c[j] < 1]
+        weights = {
+            name: [(row[j], j) for j in before if row[j] != 0]
+            for name, row in (("dj", tableau.b), ("e_j", tableau.error))
+        }
+        used = sorted({j for row in weights.values() for _, j in row})
+        rates = [Assign(f"p{j}", symbol(f"w{j}.v") * symbol(f"w{j}.k.y"), KIND) for j in used]
+        sums = [
+            Assign(name, ordered_sum([(w, symbol(f"p{j}")) for w, j in row], self.place_fma), KIND)
+            for name, row in weights.items()
+        ]
+        return [*rates, *sums]
 
     def _tail_errors(
         self, row: Sequence[Fraction], prefix: str, parts: Sequence[str]
