@@ -72,6 +72,11 @@ class Series:
         return number(1 - sp.Rational(str(self.nearly)))
 
     @property
+    def to_passing(self) -> str:
+        """The way to zero, by that of which `nearly` is lost, were a slip to fall evenly."""
+        return number(1 / sp.Rational(str(self.nearly)))
+
+    @property
     def root(self) -> tuple[int, int]:
         """In lanes: 64ths whose product is the exponent of the root of the last order, nearly."""
         return root_in_64ths(self.order)
