@@ -16,6 +16,7 @@ from generator.registry.lane_numbers import float_lanes
 from generator.tableaus.tableaus import TABLEAUS
 from tests.support.exact_kernels import built, exact_variant, portable_target
 from tests.support.kernels import bench_tool
+from tests.support.reference import load_hard
 
 ADVERSARIAL = ROOT / "tests" / "data" / "adversarial"
 SMOOTH = ("mathavan2014", "bottom_slip")
@@ -56,6 +57,22 @@ def test_inputs_that_a_search_found_are_within_budget(model: str) -> None:
         worst = over_budget(model, budget, cases)
         print(f"{model} {budget:g}: {len(cases)} inputs, at most {worst:.3g} of the budget")
         assert worst < 1
+
+
+@pytest.mark.parametrize("model", SMOOTH)
+def test_error_of_q_into_sticking_is_seen_where_slip_points_along_its_rate(model: str) -> None:
+    """Neighbours of the kept inputs at u_s near 1, which were off by up to 1.57 E."""
+    kinds, rows = load_hard()
+    kept = rows[[kind == "sticks_along_rate" for kind in kinds]]
+    cases = np.repeat(kept, 500, axis=0)
+    rng = np.random.default_rng(15)
+    moves = [CASE_NAMES.index(name) for name in ("u_b", "v1x", "w1x", "w1z", "w2x", "w2y")]
+    size = 10 ** rng.uniform(-5, -1, (len(cases), 1))
+    cases[:, moves] *= 1 + size * rng.normal(size=(len(cases), len(moves)))
+    cases[:, 2:4] = 1 - 0.1 * size
+    worst, of_kept = over_budget(model, 1e-6, cases), over_budget(model, 1e-6, kept)
+    print(f"{model}: kept {of_kept:.3g}, {len(cases)} neighbours {worst:.3g} of 1e-6 at most")
+    assert max(worst, of_kept) < 1
 
 
 @pytest.mark.parametrize("model", SMOOTH)

@@ -214,7 +214,7 @@ class Literal:
     settles_near = _value(
         0.7,
         "1",
-        "share of what is left of table friction that an error of q turns near zero slip",
+        "share of what is left of table friction that an error of q turns",
     )
     least_fall = _value(
         0.001, "k_z", "the slowest that c_z falls at, whatever the table does", "derived"

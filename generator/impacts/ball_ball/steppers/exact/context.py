@@ -146,7 +146,7 @@ class ExactContext(LaneRoots, Coefficients, StepParts, EndParts):
     @property
     def aside_fields(self) -> tuple[str, ...]:
         """The same for one that is put aside to stick."""
-        own = ("l_c", "rest_error", "at_rest")
+        own = ("l_c", "at_rest")
         return (*(f"flight.{name}" for name in self.flight_fields), *own)
 
     @property

@@ -232,7 +232,7 @@ def _remains(pressed: Pressed, floats: bool) -> Text:
 def _sticking(pressed: Pressed) -> Text:
     """l_stick: the q in which contact sticks, if s keeps its direction."""
     lines = Lines(PRINTER)
-    n_c, l_c, per_s, phase, bend, reach = numbers("n_c l_c per_s phase bend reach")
+    n_c, l_c, per_s, phase = numbers("n_c l_c per_s phase")
     k_z = lines.number("k_z", given(pressed.k_z) - given(pressed.k_zt) * START.u_s * AT.s_y * per_s)
     falls = fma(given(pressed.k_x) * AT.c_x, AT.c_x, fma(k_z * AT.c_z, AT.c_z, TINY))
     l_stick = lines.number("l_stick", n_c * l_c * START.per_u_b * rough_inverse(falls))
@@ -243,7 +243,6 @@ def _sticking(pressed: Pressed) -> Text:
     )
     in_time = both(l_stick * _until_end(pressed) < phase, l_c < AT.tail_cap)
     lines.set(PLAN.mask("sticks"), both(PLAN.mask("goes_on"), in_time))
-    lines.set(PLAN.rest_error, Literal.settles_near * left * bend * rough_inverse(reach + TINY))
     lines.mask("matters", both(PLAN.mask("sticks"), left > Declared.counts * TOL))
     return lines.part()
 

@@ -180,26 +180,34 @@ def _starts() -> Text:
 
 def _error(of: Sticking) -> Text:
     """By the embedded method, but no smaller than what its nodes can miss of the turning of s."""
-    lines = Lines(PRINTER)
+    pressed, lines = of.pressed, Lines(PRINTER)
     e_x, e_y, e_q, s_x, s_y = numbers("e_x e_y e_q s_x s_y")
+    n_0 = lines.number("n_0", fma(S_X0, S_X0, fma(S_Y0, S_Y0, TINY)))
+    n_1 = lines.number("n_1", fma(s_x, s_x, fma(s_y, s_y, TINY)))
+    per_0 = lines.number("per_0", rough_rsqrt(n_0))
+    per_1 = lines.number("per_1", rough_rsqrt(n_1))
+    lines.remark(
+        "An error of q moves s along y, and so turns it by |s_x|/s^2: the more of both ends."
+    )
+    turn_1 = lines.number("turn_1", absolute(s_x) * per_1 * per_1)
+    turn_0 = select(PLAN.mask("at_rest"), 0, absolute(S_X0) * per_0 * per_0)
+    turns = lines.number("turns", times(pressed.drive, larger(turn_0, turn_1)))
+    left = pressed.ratio(pressed.k_zt, pressed.k_z) * START.u_s * absolute(AT.c_z)
+    turned = lines.number("turned", Literal.settles_near * left * turns)
     lines.remark(
         "An error of q shifts the work of table friction against v_n, and with it v_n at the end."
     )
     work = lines.number("work_error", 0.5 * absolute(e_q * END.y / START.v_n))
     impulses = Literal.weighs_spin * larger(absolute(e_x), absolute(e_y))
-    seen = fma(PLAN.rest_error, absolute(e_q), impulses) + work
+    seen = fma(turned, absolute(e_q), impulses) + work
     estimate = lines.number("estimate", Declared.tail * seen)
     lines.remark("Nor is it smaller than what nodes so far apart can miss of the turning of s.")
-    n_0 = lines.number("n_0", fma(S_X0, S_X0, fma(S_Y0, S_Y0, TINY)))
-    n_1 = lines.number("n_1", fma(s_x, s_x, fma(s_y, s_y, TINY)))
-    per_0 = lines.number("per_0", rough_rsqrt(n_0))
-    per_1 = lines.number("per_1", rough_rsqrt(n_1))
     passed = call("steepness", S_X0, S_Y0, n_0 * per_0, s_x, s_y, n_1 * per_1)
     steep = lines.number("steep", passed)
     most = Declared.tail_unseen * START.u_s * absolute(AT.c_z)
     missed = most * reduce(lambda a, b: a * b, [steep] * of.power)
     unseen = lines.number("unseen", select(PLAN.mask("at_rest"), 0, missed))
-    lines.number("error", larger(larger(estimate, unseen), _work_missed(of.pressed, lines)))
+    lines.number("error", larger(larger(estimate, unseen), _work_missed(pressed, lines)))
     return lines.part()
 
 
