@@ -143,7 +143,7 @@ def _write() -> None:
 def _tiered() -> list[dict[str, object]]:
     """Kernels with fixed tiers, by call and in lanes of floats: hardly any draw has them."""
     found = []
-    for model, budget in (("mathavan2014", 1e-6), ("bottom_slip", 1e-3), ("pooltool", 1e-4)):
+    for model, budget in (("mathavan2014", 1e-6), ("bottom_slip", 1e-6), ("pooltool", 1e-4)):
         stepper = Stepper(tableaus_for(budget)[0], budget=budget)
         for target, width in (("x86-64-v2", 4), ("x86-64-v3", 8), ("zen4", 16)):
             known = target_or_port(target)

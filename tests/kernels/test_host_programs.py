@@ -33,6 +33,7 @@ WIDEST = (  # the most numbers in flight of each kind
     EXACT[5],
     EXACT[7],
     EXACT[10],
+    EXACT[14],
     EXACT[0],  # and the fewest
 )
 RUNNABLE = (KERNELS[0], KERNELS[3], *EXACT[2:4], *EXACT[6:], FLOATS[2])

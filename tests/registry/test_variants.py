@@ -81,6 +81,7 @@ def test_names_are_read_back() -> None:
         assert variant_of(name_of(made)) == made
         assert variant_of(name_of(wide)) == wide
         assert wide.in_lanes(1) == made
+    assert len({name_of(v) for v in random_variants(4, 500, TARGETS)}) == 500
 
 
 def test_a_kernel_is_named_in_full_or_as_its_text_and_its_file_are() -> None:

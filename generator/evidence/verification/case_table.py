@@ -75,8 +75,10 @@ def read_table(path: Path, names: Sequence[str], may_be_empty: bool = False) -> 
 
 
 def _number(text: str | None, place: str, name: str, limits: Limits) -> float:
-    plain = (text or "").replace("_", "x")  # Python alone reads 1_000 as a number
+    plain = text or ""
     try:
+        if "_" in plain:
+            raise ValueError("Python alone reads 1_000 as a number")
         value = float.fromhex(plain) if "0x" in plain.lower() else float(plain)
     except ValueError:
         shown = f"'{textwrap.shorten(text, 40)}'" if text else "nothing"

@@ -155,8 +155,6 @@ TEST(BallCushionOracle, GivesTheReferenceAsPrinted) {
   EXPECT_LE(std::count(free.begin(), free.end(), ' '), 1);
 }
 
-// The paper's Fig. 12: 2 m/s at 45 degrees with side spin 2V/R and top spin 1.5V/R. Read off: .432
-// Ns, slips from 3.03 at the cushion and from 1.00 m/s at the table.
 // A tiny slip falls to zero in 1e-6 of the first step's impulse, sticks, and gives way. Expected:
 // an implicit Runge-Kutta method (SciPy's Radau, 1e-12) from where it gives way.
 TEST(BallCushionOracle, MeetsAStickThatIsOverWithinAStep) {
@@ -170,6 +168,8 @@ TEST(BallCushionOracle, MeetsAStickThatIsOverWithinAStep) {
   EXPECT_NEAR(p.R * out.w[2], 11.99023977474, 1e-9);
 }
 
+// The paper's Fig. 12: 2 m/s at 45 degrees with side spin 2V/R and top spin 1.5V/R. Read off: .432
+// Ns, slips from 3.03 at the cushion and from 1.00 m/s at the table.
 TEST(BallCushionOracle, GivesTheImpulseOfThePapersFigure12) {
   const double R = 0.02625, M = 0.1406, into = std::sqrt(2.0);
   const Params paper{R, M, 0.212, 0.14, 0.98, 1.4 * R};

@@ -29,7 +29,8 @@ from .envelope import Envelope
 from .rewind import C_X, C_Z, S_X, S_Y, WORK, rewind
 
 GENES = ("u_b", "u_s", "e_b", "c", "turn", "s", "angle", "v_n")
-THRESHOLDS = (3e-4,)  # of e_b, where the kernels' method changes
+# Of e_b, where the kernels' method changes: `kLittleBounce` and the tiers' least e_b.
+THRESHOLDS = (0.001, 0.4)
 
 
 @dataclass(frozen=True)
