@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/bottom_slip-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage
-// inputs:   sha256 4341049d6f3322b5
+// inputs:   sha256 ea016d6ca52d3ea0
 // chosen:   modelled by llvm-mca for nehalem, 45 kernels
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

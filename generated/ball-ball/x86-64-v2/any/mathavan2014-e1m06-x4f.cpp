@@ -4,7 +4,7 @@
 // recipe:   dp54 tiers=fixed lane_root=est1 lane_tiers=fixed
 // counts:   215 add, 313 mul, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v2/any/mathavan2014-e1m06-x4f dp54 tiers=fixed lane_root=est1 lane_tiers=fixed
-// inputs:   sha256 010992e5f3f64bc4
+// inputs:   sha256 de2fd123e7d706e5
 // chosen:   modelled by llvm-mca for nehalem, 20 kernels; largest error under the worst root estimates 5.15e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -280,6 +280,7 @@ constexpr double kCounts = 0.072;        // friction on the table that is of acc
 constexpr double kGone = 0.0476;         // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     1.82;  // of what is left of table friction, that step may miss where s passes zero
+constexpr double kTailWork = 1.25;   // of its work, over twice the embedded errors of that step
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
@@ -456,13 +457,12 @@ struct TailRates {
 
 // What the next iteration does.
 struct Plan {
-  Real h;           // length of the step
-  Real step_c;      // length of a step by the contact slip alone
-  Real l_c;         // contact slip
-  Real rest_error;  // of a step into sticking: by the distance of s from zero
-  Mask at_rest;     // is table slip as good as zero?
-  Mask sticks;      // is it the step into sticking?
-  Mask goes_on;     // or is the collision over?
+  Real h;        // length of the step
+  Real step_c;   // length of a step by the contact slip alone
+  Real l_c;      // contact slip
+  Mask at_rest;  // is table slip as good as zero?
+  Mask sticks;   // is it the step into sticking?
+  Mask goes_on;  // or is the collision over?
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
@@ -557,6 +557,8 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Real p4 = w4.k.y * w4.v;
   const Real dj = real(0.09114583333333333) * p0 + real(0.44923629829290207) * p2 +
                   real(0.6510416666666666) * p3 - real(0.322376179245283) * p4;
+  const Real e_j = real(0.0012326388888888888) * p0 - real(0.0042527702905061394) * p2 +
+                   real(0.03697916666666667) * p3 - real(0.05086379716981132) * p4;
 
   const Tail& end = z6;
 
@@ -570,26 +572,37 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
     s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
   }
 
-  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
-  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
-                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
-                                       work_error);
-  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
-  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
-  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
-  const Real per_0 = rough_rsqrt(n_0);
-  const Real per_1 = rough_rsqrt(n_1);
-  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
-  const Real unseen = select(plan.at_rest, real(0.0),
-                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
-  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
   const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  // An error of q moves s along y, and so turns it by |s_x|/s^2: the more of both ends.
+  const Real turn_1 = absolute(s_x) * per_1 * per_1;
+  const Real turns =
+      larger(select(plan.at_rest, real(0.0), absolute(s_x0) * per_0 * per_0), turn_1);
+  const Real turned = real(0.7) * (real(0.4166666666666667) * start.u_s * absolute(at.c_z)) * turns;
+  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate =
+      real(kTail) *
+      (fma(turned, absolute(e_q), real(2.5) * larger(absolute(e_x), absolute(e_y))) + work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  // Twice what the work is off by is what v_n^2 at the end is: over v_n, what 2 q is.
+  const Real per_v =
+      select(compressing, start.e_b * start.e_b, real(1.0)) * rough_inverse(v_last + at.tolerance);
+  const Real work_missed =
+      real(kTailWork) * absolute(fma(real(2.0) * absolute(end.y), absolute(e_q), absolute(e_j))) *
+      per_v;
+  const Real error = larger(larger(estimate, unseen), work_missed);
 
   // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
   // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
@@ -721,7 +734,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
       real(0.4166666666666667) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
-  plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
   const Mask matters = both(plan.sticks, gt(left, real(kCounts) * at.tolerance));
   if (wanted(matters)) {
     const Real room = power(at.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
@@ -2422,6 +2434,7 @@ constexpr double kCounts = 0.072;    // friction on the table that is of account
 constexpr double kGone = 0.0476;     // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     1.82;  // of what is left of table friction, that step may miss where s passes zero
+constexpr double kTailWork = 1.25;  // of its work, over twice the embedded errors of that step
 constexpr int kOrder = 13;          // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;       // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;     // share of the way to sticking that a step may take
@@ -2601,13 +2614,12 @@ struct TailRates {
 
 // What the next iteration does.
 struct Plan {
-  Real h;           // length of the step
-  Real step_c;      // length of a step by the contact slip alone
-  Real l_c;         // contact slip
-  Real rest_error;  // of a step into sticking: by the distance of s from zero
-  Mask at_rest;     // is table slip as good as zero?
-  Mask sticks;      // is it the step into sticking?
-  Mask goes_on;     // or is the collision over?
+  Real h;        // length of the step
+  Real step_c;   // length of a step by the contact slip alone
+  Real l_c;      // contact slip
+  Mask at_rest;  // is table slip as good as zero?
+  Mask sticks;   // is it the step into sticking?
+  Mask goes_on;  // or is the collision over?
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
@@ -2703,6 +2715,8 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Real p4 = w4.k.y * w4.v;
   const Real dj = real(0.09114583333333333) * p0 + real(0.44923629829290207) * p2 +
                   real(0.6510416666666666) * p3 - real(0.322376179245283) * p4;
+  const Real e_j = real(0.0012326388888888888) * p0 - real(0.0042527702905061394) * p2 +
+                   real(0.03697916666666667) * p3 - real(0.05086379716981132) * p4;
 
   const Tail& end = z6;
 
@@ -2716,26 +2730,37 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
     s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
   }
 
-  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
-  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
-                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
-                                       work_error);
-  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
-  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
-  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
-  const Real per_0 = rough_rsqrt(n_0);
-  const Real per_1 = rough_rsqrt(n_1);
-  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
-  const Real unseen = select(plan.at_rest, real(0.0),
-                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
-  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
   const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  // An error of q moves s along y, and so turns it by |s_x|/s^2: the more of both ends.
+  const Real turn_1 = absolute(s_x) * per_1 * per_1;
+  const Real turns =
+      larger(select(plan.at_rest, real(0.0), absolute(s_x0) * per_0 * per_0), turn_1);
+  const Real turned = real(0.7) * (real(0.4166666666666667) * start.u_s * absolute(at.c_z)) * turns;
+  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate =
+      real(kTail) *
+      (fma(turned, absolute(e_q), real(2.5) * larger(absolute(e_x), absolute(e_y))) + work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  // Twice what the work is off by is what v_n^2 at the end is: over v_n, what 2 q is.
+  const Real per_v =
+      select(compressing, start.e_b * start.e_b, real(1.0)) * rough_inverse(v_last + at.tolerance);
+  const Real work_missed =
+      real(kTailWork) * absolute(fma(real(2.0) * absolute(end.y), absolute(e_q), absolute(e_j))) *
+      per_v;
+  const Real error = larger(larger(estimate, unseen), work_missed);
 
   // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
   // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
@@ -2864,7 +2889,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
       real(0.4166666666666667) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
-  plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
   const Mask matters = both(plan.sticks, gt(left, real(kCounts) * at.tolerance));
   if (wanted(matters)) {
     const Real room = power(at.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
@@ -3179,7 +3203,7 @@ struct Flight {
 // The plan to stick of a collision that is put aside for it.
 struct Aside {
   Flight flight;
-  Real l_c, rest_error, at_rest;
+  Real l_c, at_rest;
 };
 
 // Collisions that wait, a field a row; room for a whole vector behind the last.
@@ -3189,7 +3213,7 @@ struct Queue {
   int count;
 };
 typedef Queue<27, (kWave + 1) * kLanes> Flights;
-typedef Queue<30, 2 * kLanes> Asides;
+typedef Queue<29, 2 * kLanes> Asides;
 
 // The lanes of `m` join.
 CAROM_INLINE void push(Flights& queue, const Flight& waiting, Mask m) {
@@ -3293,8 +3317,7 @@ CAROM_INLINE void push(Asides& queue, const Aside& waiting, Mask m) {
   append(&queue.row[25][at], waiting.flight.slot, m);
   append(&queue.row[26][at], waiting.flight.turns, m);
   append(&queue.row[27][at], waiting.l_c, m);
-  append(&queue.row[28][at], waiting.rest_error, m);
-  append(&queue.row[29][at], waiting.at_rest, m);
+  append(&queue.row[28][at], waiting.at_rest, m);
   queue.count = at + count(m);
 }
 
@@ -3335,8 +3358,7 @@ CAROM_INLINE void read(const Asides& queue, int at, Aside& waiting) {
   waiting.flight.slot = load(&queue.row[25][at]);
   waiting.flight.turns = load(&queue.row[26][at]);
   waiting.l_c = load(&queue.row[27][at]);
-  waiting.rest_error = load(&queue.row[28][at]);
-  waiting.at_rest = load(&queue.row[29][at]);
+  waiting.at_rest = load(&queue.row[28][at]);
 }
 
 // Those that have ended since their results were placed, in the order in which they did.
@@ -3411,8 +3433,7 @@ CAROM_INLINE void put_aside(Works& works, Turn& turn) {
   const Mask sticks = both(turn.active, plan.sticks);
   if (any(sticks)) {
     __asm__ volatile("");
-    push(works.sticking,
-         Aside{flight, plan.l_c, plan.rest_error, select(plan.at_rest, real(1.0), real(0.0))},
+    push(works.sticking, Aside{flight, plan.l_c, select(plan.at_rest, real(1.0), real(0.0))},
          sticks);
   }
   turn.active = but_not(turn.active, sticks);
@@ -3457,7 +3478,6 @@ CAROM_INLINE void stick_lanes(Works& works, Flights& next, Real e_b) {
   waiting.count = left;
   Plan plan{};
   plan.l_c = aside.l_c;
-  plan.rest_error = aside.rest_error;
   plan.at_rest = gt(aside.at_rest, real(0.0));
   const Mask done = finish_sticking(aside.flight.start, aside.flight.at, plan, active);
   finish(works.ended, aside.flight, done);
@@ -3856,11 +3876,7 @@ CAROM_INLINE Further further_tiers(const End& end, const Slips& slips, Real appr
   const Real near_b_15 = near_b_6 * near_b_6 * near_b_3;
   const Real most_way = larger(way_a, way_b);
   const Real most_near = larger(near_a, near_b);
-  const Real rubs = push * q;
   const Mask rubbed = le(u_s * u_b, real(0.12));
-  const Real way = fma(real(2.5) * u_s, n_z, real(7.0)) * u_b * q * per_c;
-  const Real part = smaller(way, real(1.0));
-  const Real beyond = real(1.0) - part;
   const Real passes1a = fma(real(0.19), near_a_6, real(5.53) * reach_a_9);
   const Real turns1a = real(0.0543) * reach_a_6;
   const Real passes1b =
@@ -3885,21 +3901,39 @@ CAROM_INLINE Further further_tiers(const End& end, const Slips& slips, Real appr
       both(both(both(lt(most_way, real(0.94)), lt(most_near, real(0.92))),
                 both(both(le(u_b, real(0.25)), le(u_s, real(0.6))), le(u_s * u_b, real(0.06)))),
            lt(off2, room));
-  const Real edge4 = real(0.0625) * part;
-  const Real reach4 = edge4 * rough_inverse(edge4 + beyond);
-  const Real square4 = near * near;
-  const Real near4 =
-      near * rough_rsqrt(fma(real(64.0), larger(real(1.0) - square4, real(0.0)), square4));
-  const Real reach4_3 = reach4 * reach4 * reach4;
-  const Real near4_3 = near4 * near4 * near4;
-  const Real passes3 =
-      fma(real(0.718), near4_3 * near4_3,
-          fma(real(0.00924), near4_3, real(0.0803) * (reach4_3 * reach4_3 * reach4_3)));
-  const Real turns3 = fma(real(0.0522), reach4_3 * reach4_3 * (reach4_3 * reach4_3),
-                          real(0.00221) * (reach4_3 * reach4_3));
-  const Real off3 = rubs * fma(u_s, passes3, n_x * turns3);
-  const Mask tier3 =
-      both(both(both(lt(way, real(0.985)), lt(near, real(0.97))), rubbed), lt(off3, room));
+  const Real edge_a4 = real(0.125) * part_a;
+  const Real reach_a4 = edge_a4 * rough_inverse(edge_a4 + (real(1.0) - part_a));
+  const Real square_a4 = near_a * near_a;
+  const Real near_a4 =
+      near_a * rough_rsqrt(fma(real(16.0), larger(real(1.0) - square_a4, real(0.0)), square_a4));
+  const Real reach_a4_3 = reach_a4 * reach_a4 * reach_a4;
+  const Real reach_a4_6 = reach_a4_3 * reach_a4_3 * real(1.0);
+  const Real reach_a4_9 = reach_a4_3 * reach_a4_3 * reach_a4_3;
+  const Real reach_a4_12 = reach_a4_6 * reach_a4_6 * real(1.0);
+  const Real near_a4_3 = near_a4 * near_a4 * near_a4;
+  const Real near_a4_6 = near_a4_3 * near_a4_3 * real(1.0);
+  const Real passes_a4 =
+      fma(real(0.718), near_a4_6, fma(real(0.00924), near_a4_3, real(0.0803) * reach_a4_9));
+  const Real turns_a4 = fma(real(0.0522), reach_a4_12, real(0.00221) * reach_a4_6);
+  const Real off_a4 = q_a * fma(u_s, passes_a4, n_x * turns_a4);
+  const Real edge_b4 = real(0.125) * part_b;
+  const Real reach_b4 = edge_b4 * rough_inverse(edge_b4 + (real(1.0) - part_b));
+  const Real square_b4 = near_b * near_b;
+  const Real near_b4 =
+      near_b * rough_rsqrt(fma(real(16.0), larger(real(1.0) - square_b4, real(0.0)), square_b4));
+  const Real reach_b4_3 = reach_b4 * reach_b4 * reach_b4;
+  const Real reach_b4_6 = reach_b4_3 * reach_b4_3 * real(1.0);
+  const Real reach_b4_9 = reach_b4_3 * reach_b4_3 * reach_b4_3;
+  const Real reach_b4_12 = reach_b4_6 * reach_b4_6 * real(1.0);
+  const Real near_b4_3 = near_b4 * near_b4 * near_b4;
+  const Real near_b4_6 = near_b4_3 * near_b4_3 * real(1.0);
+  const Real passes_b4 =
+      fma(real(0.718), near_b4_6, fma(real(0.00924), near_b4_3, real(0.0803) * reach_b4_9));
+  const Real turns_b4 = fma(real(0.0522), reach_b4_12, real(0.00221) * reach_b4_6);
+  const Real off_b4 = q_b * fma(u_s, passes_b4, n_x * turns_b4);
+  const Real off3 = real(2.0) * push * (off_a4 + off_b4);
+  const Mask tier3 = both(both(both(lt(most_way, real(0.985)), lt(most_near, real(0.97))), rubbed),
+                          lt(off3, room));
 
   return Further{tier1, tier2, tier3};
 }
@@ -4600,22 +4634,23 @@ struct Changed {
   Number place[kLanes];
 };
 
-// Adds it to what came in, lane by lane.
-CAROM_INLINE void scatter(const Batch& batch, const Changed& changed, int count) {
-  for (int i = 0; i < count; ++i) {
+// Adds it to the outputs, where what came in has been written; one of `lanes` after the other.
+CAROM_INLINE void scatter(const Batch& batch, const Changed& changed, Mask lanes) {
+  for (unsigned left = mask_bits(lanes); left != 0; left &= left - 1) {
+    const int i = __builtin_ctz(left);
     const size_t place = static_cast<size_t>(changed.place[i]);
-    batch.out[0][place] = batch.in[3][place] + static_cast<double>(changed.more_v1x[i]);
-    batch.out[1][place] = batch.in[4][place] + static_cast<double>(changed.more_v1y[i]);
-    batch.out[2][place] = batch.in[5][place] + static_cast<double>(changed.more_v1z[i]);
-    batch.out[3][place] = batch.in[6][place] + static_cast<double>(changed.more_o1x[i]);
-    batch.out[4][place] = batch.in[7][place] + static_cast<double>(changed.more_o1y[i]);
-    batch.out[5][place] = batch.in[8][place] + static_cast<double>(changed.more_o1z[i]);
-    batch.out[6][place] = batch.in[12][place] + static_cast<double>(changed.more_v2x[i]);
-    batch.out[7][place] = batch.in[13][place] + static_cast<double>(changed.more_v2y[i]);
-    batch.out[8][place] = batch.in[14][place] + static_cast<double>(changed.more_v2z[i]);
-    batch.out[9][place] = batch.in[15][place] + static_cast<double>(changed.more_o2x[i]);
-    batch.out[10][place] = batch.in[16][place] + static_cast<double>(changed.more_o2y[i]);
-    batch.out[11][place] = batch.in[17][place] + static_cast<double>(changed.more_o2z[i]);
+    batch.out[0][place] += static_cast<double>(changed.more_v1x[i]);
+    batch.out[1][place] += static_cast<double>(changed.more_v1y[i]);
+    batch.out[2][place] += static_cast<double>(changed.more_v1z[i]);
+    batch.out[3][place] += static_cast<double>(changed.more_o1x[i]);
+    batch.out[4][place] += static_cast<double>(changed.more_o1y[i]);
+    batch.out[5][place] += static_cast<double>(changed.more_o1z[i]);
+    batch.out[6][place] += static_cast<double>(changed.more_v2x[i]);
+    batch.out[7][place] += static_cast<double>(changed.more_v2y[i]);
+    batch.out[8][place] += static_cast<double>(changed.more_v2z[i]);
+    batch.out[9][place] += static_cast<double>(changed.more_o2x[i]);
+    batch.out[10][place] += static_cast<double>(changed.more_o2y[i]);
+    batch.out[11][place] += static_cast<double>(changed.more_o2z[i]);
   }
 }
 
@@ -4624,7 +4659,7 @@ CAROM_INLINE void put_back(const Batch& batch, const End& end, const Waiting& w,
   alignas(64) Changed changed;
   change(end, place_of(w), by, mask_of(true), changed, 0);
   store(changed.place, w.place);
-  scatter(batch, changed, count);
+  scatter(batch, changed, first_lanes(count));
 }
 
 // The last `count` of a line, at most a pair of vectors, by fixed steps of either phase; how many there are.
@@ -4843,7 +4878,7 @@ CAROM_NOINLINE size_t put_ended(const Batch batch, const End& end, Adaptive& ada
         where(there, load(ended.gain_t_x + first)), where(there, load(ended.gain_t_y + first))};
     good += static_cast<size_t>(count);
     change(end, place, by, inverse(lost), changed, 0);
-    scatter(batch, changed, count);
+    scatter(batch, changed, there);
     if (any(lost)) {
       const unsigned bits = mask_bits(lost);
       for (int i = 0; i < count; ++i) {

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/mathavan2014-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost
-// inputs:   sha256 7d47afc93259b857
+// inputs:   sha256 9b48958969ea2fdf
 // chosen:   modelled by llvm-mca for nehalem, 45 kernels
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

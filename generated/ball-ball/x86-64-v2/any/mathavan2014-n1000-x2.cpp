@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost lane_root=cubic finished=refilled interleave=i3
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/mathavan2014-n1000-x2 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost lane_root=cubic finished=refilled interleave=i3
-// inputs:   sha256 6fdcfe6f4664c00f
+// inputs:   sha256 184cd0c158fb05d9
 // chosen:   modelled by llvm-mca for nehalem, 7 kernels; largest error under the worst root estimates 5.74e-06
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/pooltool-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost
-// inputs:   sha256 375565c1c3a72321
+// inputs:   sha256 10caf31903d5137f
 // chosen:   modelled by llvm-mca for nehalem, 45 kernels
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

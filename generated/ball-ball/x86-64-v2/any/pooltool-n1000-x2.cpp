@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost lane_root=cubic finished=refilled interleave=i3
 // counts:   23 add, 40 mul, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v2/any/pooltool-n1000-x2 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early branch=chosen loop=twostage simd=prepost lane_root=cubic finished=refilled interleave=i3
-// inputs:   sha256 b18aafdbd86ef78c
+// inputs:   sha256 00e2a359dc785c4f
 // chosen:   modelled by llvm-mca for nehalem, 8 kernels; largest error under the worst root estimates 5.77e-06
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/x86-64-v3/any/bottom_slip-e1m06-x1 dp54 root=est1 fma=fma
-// inputs:   sha256 75f2508fd3979cbf
+// inputs:   sha256 8e04c0ca49a5dc20
 // chosen:   modelled by llvm-mca for haswell, 24 kernels; largest error under the worst root estimates 3.87e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -291,6 +291,7 @@ constexpr double kCounts = 0.072;        // friction on the table that is of acc
 constexpr double kGone = 0.0476;         // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     2.19;  // of what is left of table friction, that step may miss where s passes zero
+constexpr double kTailWork = 1.25;   // of its work, over twice the embedded errors of that step
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
@@ -469,13 +470,12 @@ struct TailRates {
 
 // What the next iteration does.
 struct Plan {
-  Real h;           // length of the step
-  Real step_c;      // length of a step by the contact slip alone
-  Real l_c;         // contact slip
-  Real rest_error;  // of a step into sticking: by the distance of s from zero
-  Mask at_rest;     // is table slip as good as zero?
-  Mask sticks;      // is it the step into sticking?
-  Mask goes_on;     // or is the collision over?
+  Real h;        // length of the step
+  Real step_c;   // length of a step by the contact slip alone
+  Real l_c;      // contact slip
+  Mask at_rest;  // is table slip as good as zero?
+  Mask sticks;   // is it the step into sticking?
+  Mask goes_on;  // or is the collision over?
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
@@ -594,6 +594,10 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Real dj = fma(real(-0.322376179245283), p4,
                       fma(real(0.6510416666666666), p3,
                           fma(real(0.44923629829290207), p2, real(0.09114583333333333) * p0)));
+  const Real e_j =
+      fma(real(-0.05086379716981132), p4,
+          fma(real(0.03697916666666667), p3,
+              fma(real(-0.0042527702905061394), p2, real(0.0012326388888888888) * p0)));
 
   const Tail& end = z6;
 
@@ -607,26 +611,37 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
     s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
   }
 
-  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
-  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
-                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
-                                       work_error);
-  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
-  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
-  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
-  const Real per_0 = rough_rsqrt(n_0);
-  const Real per_1 = rough_rsqrt(n_1);
-  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
-  const Real unseen = select(plan.at_rest, real(0.0),
-                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
-  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
   const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  // An error of q moves s along y, and so turns it by |s_x|/s^2: the more of both ends.
+  const Real turn_1 = absolute(s_x) * per_1 * per_1;
+  const Real turns =
+      larger(select(plan.at_rest, real(0.0), absolute(s_x0) * per_0 * per_0), turn_1);
+  const Real turned = real(0.7) * (real(0.5) * start.u_s * absolute(at.c_z)) * turns;
+  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate =
+      real(kTail) *
+      (fma(turned, absolute(e_q), real(2.5) * larger(absolute(e_x), absolute(e_y))) + work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  // Twice what the work is off by is what v_n^2 at the end is: over v_n, what 2 q is.
+  const Real per_v =
+      select(compressing, start.e_b * start.e_b, real(1.0)) * rough_inverse(v_last + at.tolerance);
+  const Real work_missed =
+      real(kTailWork) * absolute(fma(real(2.0) * absolute(end.y), absolute(e_q), absolute(e_j))) *
+      per_v;
+  const Real error = larger(larger(estimate, unseen), work_missed);
 
   // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
   // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
@@ -757,7 +772,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   const Real left = real(0.5) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
-  plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
   const Mask matters = both(plan.sticks, gt(left, real(kCounts) * at.tolerance));
   if (wanted(matters)) {
     const Real room = power(at.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=refilled interleave=i3
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v3/any/bottom_slip-n1000-x4 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=refilled interleave=i3
-// inputs:   sha256 99a1be7b49cf033c
+// inputs:   sha256 37266e2e0c76e497
 // chosen:   modelled by llvm-mca for haswell, 10 kernels; largest error under the worst root estimates 5.74e-06
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v3/any/pooltool-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen
-// inputs:   sha256 4287a171699f8409
+// inputs:   sha256 e3f490effe13d310
 // chosen:   modelled by llvm-mca for haswell, 45 kernels
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=est1 finished=aside interleave=i2
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v4/any/bottom_slip-n1000-x8 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=est1 finished=aside interleave=i2
-// inputs:   sha256 aa5fbaefefd1807d
+// inputs:   sha256 11c4c8cfd7be23bd
 // chosen:   modelled by llvm-mca for skylake-avx512, 14 kernels; largest error under the worst root estimates 5.74e-06
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen lane_root=est1 finished=aside interleave=i2
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/x86-64-v4/any/pooltool-n1000-x8 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen lane_root=est1 finished=aside interleave=i2
-// inputs:   sha256 91ef7acc02ee01d6
+// inputs:   sha256 d4c64ae6714f166a
 // chosen:   modelled by llvm-mca for skylake-avx512, 14 kernels; largest error under the worst root estimates 5.77e-06
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

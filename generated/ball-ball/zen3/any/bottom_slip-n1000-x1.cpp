@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/zen3/any/bottom_slip-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost
-// inputs:   sha256 5184aa2219060231
+// inputs:   sha256 135ddeaaa4c43299
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 48 records of ball-ball/any/mathavan2014-n1000-scalar, as none of these kernels
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT-0
  * scene:    any
  * remake:   ./gen emit --header any
- * inputs:   sha256 81c3dfb371be6fbe
+ * inputs:   sha256 ea3b311c58041952
  */
 #ifndef CAROM_H_
 #define CAROM_H_

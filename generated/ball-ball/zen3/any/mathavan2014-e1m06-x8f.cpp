@@ -4,7 +4,7 @@
 // recipe:   dp54 root=est1 fma=fma lane_root=est1
 // counts:   17 add, 97 mul, 198 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/mathavan2014-e1m06-x8f dp54 root=est1 fma=fma lane_root=est1
-// inputs:   sha256 46147ad47dde8339
+// inputs:   sha256 c8e42a569c8811d1
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 18 records, 18 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 4.62e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -299,6 +299,7 @@ constexpr double kCounts = 0.072;        // friction on the table that is of acc
 constexpr double kGone = 0.0476;         // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     1.82;  // of what is left of table friction, that step may miss where s passes zero
+constexpr double kTailWork = 1.25;   // of its work, over twice the embedded errors of that step
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
@@ -477,13 +478,12 @@ struct TailRates {
 
 // What the next iteration does.
 struct Plan {
-  Real h;           // length of the step
-  Real step_c;      // length of a step by the contact slip alone
-  Real l_c;         // contact slip
-  Real rest_error;  // of a step into sticking: by the distance of s from zero
-  Mask at_rest;     // is table slip as good as zero?
-  Mask sticks;      // is it the step into sticking?
-  Mask goes_on;     // or is the collision over?
+  Real h;        // length of the step
+  Real step_c;   // length of a step by the contact slip alone
+  Real l_c;      // contact slip
+  Mask at_rest;  // is table slip as good as zero?
+  Mask sticks;   // is it the step into sticking?
+  Mask goes_on;  // or is the collision over?
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
@@ -603,6 +603,10 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Real dj = fma(real(-0.322376179245283), p4,
                       fma(real(0.6510416666666666), p3,
                           fma(real(0.44923629829290207), p2, real(0.09114583333333333) * p0)));
+  const Real e_j =
+      fma(real(-0.05086379716981132), p4,
+          fma(real(0.03697916666666667), p3,
+              fma(real(-0.0042527702905061394), p2, real(0.0012326388888888888) * p0)));
 
   const Tail& end = z6;
 
@@ -616,26 +620,37 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
     s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
   }
 
-  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
-  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
-                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
-                                       work_error);
-  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
-  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
-  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
-  const Real per_0 = rough_rsqrt(n_0);
-  const Real per_1 = rough_rsqrt(n_1);
-  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
-  const Real unseen = select(plan.at_rest, real(0.0),
-                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
-  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
   const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  // An error of q moves s along y, and so turns it by |s_x|/s^2: the more of both ends.
+  const Real turn_1 = absolute(s_x) * per_1 * per_1;
+  const Real turns =
+      larger(select(plan.at_rest, real(0.0), absolute(s_x0) * per_0 * per_0), turn_1);
+  const Real turned = real(0.7) * (real(0.4166666666666667) * start.u_s * absolute(at.c_z)) * turns;
+  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate =
+      real(kTail) *
+      (fma(turned, absolute(e_q), real(2.5) * larger(absolute(e_x), absolute(e_y))) + work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  // Twice what the work is off by is what v_n^2 at the end is: over v_n, what 2 q is.
+  const Real per_v =
+      select(compressing, start.e_b * start.e_b, real(1.0)) * rough_inverse(v_last + at.tolerance);
+  const Real work_missed =
+      real(kTailWork) * absolute(fma(real(2.0) * absolute(end.y), absolute(e_q), absolute(e_j))) *
+      per_v;
+  const Real error = larger(larger(estimate, unseen), work_missed);
 
   // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
   // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
@@ -767,7 +782,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
       real(0.4166666666666667) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
-  plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
   const Mask matters = both(plan.sticks, gt(left, real(kCounts) * at.tolerance));
   if (wanted(matters)) {
     const Real room = power(at.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
@@ -1938,6 +1952,7 @@ constexpr double kCounts = 0.072;    // friction on the table that is of account
 constexpr double kGone = 0.0476;     // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     1.82;  // of what is left of table friction, that step may miss where s passes zero
+constexpr double kTailWork = 1.25;  // of its work, over twice the embedded errors of that step
 constexpr int kOrder = 13;          // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;       // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;     // share of the way to sticking that a step may take
@@ -2117,13 +2132,12 @@ struct TailRates {
 
 // What the next iteration does.
 struct Plan {
-  Real h;           // length of the step
-  Real step_c;      // length of a step by the contact slip alone
-  Real l_c;         // contact slip
-  Real rest_error;  // of a step into sticking: by the distance of s from zero
-  Mask at_rest;     // is table slip as good as zero?
-  Mask sticks;      // is it the step into sticking?
-  Mask goes_on;     // or is the collision over?
+  Real h;        // length of the step
+  Real step_c;   // length of a step by the contact slip alone
+  Real l_c;      // contact slip
+  Mask at_rest;  // is table slip as good as zero?
+  Mask sticks;   // is it the step into sticking?
+  Mask goes_on;  // or is the collision over?
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
@@ -2243,6 +2257,10 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Real dj = fma(real(-0.322376179245283), p4,
                       fma(real(0.6510416666666666), p3,
                           fma(real(0.44923629829290207), p2, real(0.09114583333333333) * p0)));
+  const Real e_j =
+      fma(real(-0.05086379716981132), p4,
+          fma(real(0.03697916666666667), p3,
+              fma(real(-0.0042527702905061394), p2, real(0.0012326388888888888) * p0)));
 
   const Tail& end = z6;
 
@@ -2256,26 +2274,37 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
     s_y = s_y0 + fma(real(3.5), t_tail_y, fma(real(2.5), d_tail_z, dq));
   }
 
-  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
-  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
-                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
-                                       work_error);
-  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
-  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
-  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
-  const Real per_0 = rough_rsqrt(n_0);
-  const Real per_1 = rough_rsqrt(n_1);
-  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
-  const Real unseen = select(plan.at_rest, real(0.0),
-                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
-  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
   const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  // An error of q moves s along y, and so turns it by |s_x|/s^2: the more of both ends.
+  const Real turn_1 = absolute(s_x) * per_1 * per_1;
+  const Real turns =
+      larger(select(plan.at_rest, real(0.0), absolute(s_x0) * per_0 * per_0), turn_1);
+  const Real turned = real(0.7) * (real(0.4166666666666667) * start.u_s * absolute(at.c_z)) * turns;
+  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate =
+      real(kTail) *
+      (fma(turned, absolute(e_q), real(2.5) * larger(absolute(e_x), absolute(e_y))) + work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  // Twice what the work is off by is what v_n^2 at the end is: over v_n, what 2 q is.
+  const Real per_v =
+      select(compressing, start.e_b * start.e_b, real(1.0)) * rough_inverse(v_last + at.tolerance);
+  const Real work_missed =
+      real(kTailWork) * absolute(fma(real(2.0) * absolute(end.y), absolute(e_q), absolute(e_j))) *
+      per_v;
+  const Real error = larger(larger(estimate, unseen), work_missed);
 
   // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
   // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
@@ -2404,7 +2433,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
       real(0.4166666666666667) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
-  plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
   const Mask matters = both(plan.sticks, gt(left, real(kCounts) * at.tolerance));
   if (wanted(matters)) {
     const Real room = power(at.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
@@ -2767,7 +2795,7 @@ struct Flight {
 // The plan to stick of a collision that is put aside for it.
 struct Aside {
   Flight flight;
-  Real l_c, rest_error, at_rest;
+  Real l_c, at_rest;
 };
 
 // Collisions that wait, a field a row; room for a whole vector behind the last.
@@ -2777,7 +2805,7 @@ struct Queue {
   int count;
 };
 typedef Queue<27, (kWave + 1) * kLanes> Flights;
-typedef Queue<30, 2 * kLanes> Asides;
+typedef Queue<29, 2 * kLanes> Asides;
 
 // The lanes of `m` join.
 CAROM_INLINE void push(Flights& queue, const Flight& waiting, Mask m) {
@@ -2881,8 +2909,7 @@ CAROM_INLINE void push(Asides& queue, const Aside& waiting, Mask m) {
   append(&queue.row[25][at], waiting.flight.slot, m);
   append(&queue.row[26][at], waiting.flight.turns, m);
   append(&queue.row[27][at], waiting.l_c, m);
-  append(&queue.row[28][at], waiting.rest_error, m);
-  append(&queue.row[29][at], waiting.at_rest, m);
+  append(&queue.row[28][at], waiting.at_rest, m);
   queue.count = at + count(m);
 }
 
@@ -2923,8 +2950,7 @@ CAROM_INLINE void read(const Asides& queue, int at, Aside& waiting) {
   waiting.flight.slot = load(&queue.row[25][at]);
   waiting.flight.turns = load(&queue.row[26][at]);
   waiting.l_c = load(&queue.row[27][at]);
-  waiting.rest_error = load(&queue.row[28][at]);
-  waiting.at_rest = load(&queue.row[29][at]);
+  waiting.at_rest = load(&queue.row[28][at]);
 }
 
 // Those that have ended since their results were placed, in the order in which they did.
@@ -2999,8 +3025,7 @@ CAROM_INLINE void put_aside(Works& works, Turn& turn) {
   const Mask sticks = both(turn.active, plan.sticks);
   if (any(sticks)) {
     __asm__ volatile("");
-    push(works.sticking,
-         Aside{flight, plan.l_c, plan.rest_error, select(plan.at_rest, real(1.0), real(0.0))},
+    push(works.sticking, Aside{flight, plan.l_c, select(plan.at_rest, real(1.0), real(0.0))},
          sticks);
   }
   turn.active = but_not(turn.active, sticks);
@@ -3045,7 +3070,6 @@ CAROM_INLINE void stick_lanes(Works& works, Flights& next, Real e_b) {
   waiting.count = left;
   Plan plan{};
   plan.l_c = aside.l_c;
-  plan.rest_error = aside.rest_error;
   plan.at_rest = gt(aside.at_rest, real(0.0));
   const Mask done = finish_sticking(aside.flight.start, aside.flight.at, plan, active);
   finish(works.ended, aside.flight, done);

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/zen3/any/mathavan2014-n1000-x1 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost
-// inputs:   sha256 74740db7ba13f87c
+// inputs:   sha256 a5284fab1f13c424
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29 to 2026-11-30, 48 records, 48 of them of earlier code (kernel text, bench, baseline)
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

@@ -4,7 +4,7 @@
 // recipe:   fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
 // counts:   8 add, 25 mul, 15 fma, 2 compare an iteration
 // remake:   ./gen emit ball-ball/zen3/any/mathavan2014-n1000-x4 fixed state=reduced reuse=factored order=chain rsqrt=ahead roots=early fma=fma branch=chosen loop=twostage simd=prepost lane_root=cubic finished=aside interleave=i3
-// inputs:   sha256 53ab67096bd2dc90
+// inputs:   sha256 3c8455a769a61b00
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29, 9 records, 9 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 5.74e-06
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."

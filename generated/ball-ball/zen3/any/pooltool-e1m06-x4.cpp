@@ -4,7 +4,7 @@
 // recipe:   dp54 root=cubic fma=fma lane_root=cubic
 // counts:   18 add, 97 mul, 197 fma, 1 div a step
 // remake:   ./gen emit ball-ball/zen3/any/pooltool-e1m06-x4 dp54 root=cubic fma=fma lane_root=cubic
-// inputs:   sha256 7cbd417173483d22
+// inputs:   sha256 a66cb407e62fcbc8
 // chosen:   timed on AMD EPYC 7003 (zen3), 2026-11-29, 8 records, 8 of them of earlier code (kernel text, bench, baseline); largest error under the worst root estimates 1.63e-07
 #if !(defined(__GNUC__) || defined(__clang__)) || !defined(__x86_64__)
 #error "This is for x86-64, and for GCC or Clang (on Windows: clang-cl, MinGW)."
@@ -292,6 +292,7 @@ constexpr double kCounts = 0.072;        // friction on the table that is of acc
 constexpr double kGone = 0.0476;         // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     2.19;  // of what is left of table friction, that step may miss where s passes zero
+constexpr double kTailWork = 1.25;   // of its work, over twice the embedded errors of that step
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
@@ -472,16 +473,15 @@ struct TailRates {
 
 // What the next iteration does.
 struct Plan {
-  Real h;           // length of the step
-  Real step_c;      // length of a step by the contact slip alone
-  Real l_c;         // contact slip
-  Real rest_error;  // of a step into sticking: by the distance of s from zero
-  Mask at_rest;     // is table slip as good as zero?
-  Real l_s, phi;    // table slip; table friction per unit of q
-  Mask counts;      // does it matter to the step which way that points?
-  Mask runs;        // does the table drive the slip away from zero, whichever way it points?
-  Mask sticks;      // is it the step into sticking?
-  Mask goes_on;     // or is the collision over?
+  Real h;         // length of the step
+  Real step_c;    // length of a step by the contact slip alone
+  Real l_c;       // contact slip
+  Mask at_rest;   // is table slip as good as zero?
+  Real l_s, phi;  // table slip; table friction per unit of q
+  Mask counts;    // does it matter to the step which way that points?
+  Mask runs;      // does the table drive the slip away from zero, whichever way it points?
+  Mask sticks;    // is it the step into sticking?
+  Mask goes_on;   // or is the collision over?
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
@@ -600,6 +600,10 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Real dj = fma(real(-0.322376179245283), p4,
                       fma(real(0.6510416666666666), p3,
                           fma(real(0.44923629829290207), p2, real(0.09114583333333333) * p0)));
+  const Real e_j =
+      fma(real(-0.05086379716981132), p4,
+          fma(real(0.03697916666666667), p3,
+              fma(real(-0.0042527702905061394), p2, real(0.0012326388888888888) * p0)));
 
   const Tail& end = z6;
 
@@ -613,26 +617,37 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
     s_y = s_y0 + fma(real(-1.5), t_tail_y, fma(real(-2.5), d_tail_z, dq));
   }
 
-  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
-  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
-                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
-                                       work_error);
-  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
-  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
-  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
-  const Real per_0 = rough_rsqrt(n_0);
-  const Real per_1 = rough_rsqrt(n_1);
-  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
-  const Real unseen = select(plan.at_rest, real(0.0),
-                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
-  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
   const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  // An error of q moves s along y, and so turns it by |s_x|/s^2: the more of both ends.
+  const Real turn_1 = absolute(s_x) * per_1 * per_1;
+  const Real turns =
+      larger(select(plan.at_rest, real(0.0), absolute(s_x0) * per_0 * per_0), turn_1);
+  const Real turned = real(0.7) * (real(0.5) * start.u_s * absolute(at.c_z)) * turns;
+  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate =
+      real(kTail) *
+      (fma(turned, absolute(e_q), real(2.5) * larger(absolute(e_x), absolute(e_y))) + work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  // Twice what the work is off by is what v_n^2 at the end is: over v_n, what 2 q is.
+  const Real per_v =
+      select(compressing, start.e_b * start.e_b, real(1.0)) * rough_inverse(v_last + at.tolerance);
+  const Real work_missed =
+      real(kTailWork) * absolute(fma(real(2.0) * absolute(end.y), absolute(e_q), absolute(e_j))) *
+      per_v;
+  const Real error = larger(larger(estimate, unseen), work_missed);
 
   // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
   // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
@@ -809,7 +824,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   const Real left = real(0.5) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
-  plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
   const Mask matters = both(plan.sticks, gt(left, real(kCounts) * at.tolerance));
   if (wanted(matters)) {
     const Real room = power(at.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
@@ -1349,6 +1363,7 @@ constexpr double kCounts = 0.0479;       // friction on the table that is of acc
 constexpr double kGone = 0.167;          // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     6.86;  // of what is left of table friction, that step may miss where s passes zero
+constexpr double kTailWork = 1.25;  // of its work, over twice the embedded errors of that step
 constexpr int kOrder = 8;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;       // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;     // share of the way to sticking that a step may take
@@ -1362,7 +1377,7 @@ constexpr double kMostAim = 0.01;   // tolerance over the usual one, at most
 constexpr double kTinySlip = 1e-15;  // table slip with a direction, but of no account
 constexpr double kExtend = 0.0005;  // of a step: how far its interpolant may be used beyond its end
 constexpr double kLittleBounce =
-    0.01;  // e_b below which the work of restitution is no difference of two works
+    0.001;  // e_b below which the work of restitution is no difference of two works
 constexpr int kMostSteps = 4000;  // per collision; about 3 are usual
 constexpr double kHuge = 1e30;
 
@@ -1544,16 +1559,15 @@ struct TailRates {
 
 // What the next iteration does.
 struct Plan {
-  Real h;           // length of the step
-  Real step_c;      // length of a step by the contact slip alone
-  Real l_c;         // contact slip
-  Real rest_error;  // of a step into sticking: by the distance of s from zero
-  Mask at_rest;     // is table slip as good as zero?
-  Real l_s, phi;    // table slip; table friction per unit of q
-  Mask counts;      // does it matter to the step which way that points?
-  Mask runs;        // does the table drive the slip away from zero, whichever way it points?
-  Mask sticks;      // is it the step into sticking?
-  Mask goes_on;     // or is the collision over?
+  Real h;         // length of the step
+  Real step_c;    // length of a step by the contact slip alone
+  Real l_c;       // contact slip
+  Mask at_rest;   // is table slip as good as zero?
+  Real l_s, phi;  // table slip; table friction per unit of q
+  Mask counts;    // does it matter to the step which way that points?
+  Mask runs;      // does the table drive the slip away from zero, whichever way it points?
+  Mask sticks;    // is it the step into sticking?
+  Mask goes_on;   // or is the collision over?
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
@@ -1854,6 +1868,13 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   dj = fma(real(0.3111643669578199), p8, dj);
   dj = fma(real(-0.1521609496625161), p9, dj);
   dj = fma(real(0.20136540080403034), p10, dj);
+  Real e_j = real(0.01312004499419488) * p0;
+  e_j = fma(real(-1.2251564463762044), p5, e_j);
+  e_j = fma(real(-0.4957589496572502), p6, e_j);
+  e_j = fma(real(1.6643771824549864), p7, e_j);
+  e_j = fma(real(-0.35032884874997366), p8, e_j);
+  e_j = fma(real(0.3341791187130175), p9, e_j);
+  e_j = fma(real(0.08192320648511571), p10, e_j);
   const Real e_x = joint_error(e5_x, e3_x);
   const Real e_y = joint_error(e5_y, e3_y);
 
@@ -1869,27 +1890,38 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
     s_y = s_y0 + fma(real(-1.5), t_tail_y, fma(real(-2.5), d_tail_z, dq));
   }
 
-  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
-  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
-                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
-                                       work_error);
-  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
-  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
-  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
-  const Real per_0 = rough_rsqrt(n_0);
-  const Real per_1 = rough_rsqrt(n_1);
-  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
-  const Real unseen =
-      select(plan.at_rest, real(0.0),
-             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep * steep));
-  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
   const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  // An error of q moves s along y, and so turns it by |s_x|/s^2: the more of both ends.
+  const Real turn_1 = absolute(s_x) * per_1 * per_1;
+  const Real turns =
+      larger(select(plan.at_rest, real(0.0), absolute(s_x0) * per_0 * per_0), turn_1);
+  const Real turned = real(0.7) * (real(0.5) * start.u_s * absolute(at.c_z)) * turns;
+  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate =
+      real(kTail) *
+      (fma(turned, absolute(e_q), real(2.5) * larger(absolute(e_x), absolute(e_y))) + work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen =
+      select(plan.at_rest, real(0.0),
+             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep * steep));
+  // Twice what the work is off by is what v_n^2 at the end is: over v_n, what 2 q is.
+  const Real per_v =
+      select(compressing, start.e_b * start.e_b, real(1.0)) * rough_inverse(v_last + at.tolerance);
+  const Real work_missed =
+      real(kTailWork) * absolute(fma(real(2.0) * absolute(end.y), absolute(e_q), absolute(e_j))) *
+      per_v;
+  const Real error = larger(larger(estimate, unseen), work_missed);
 
   // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
   // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
@@ -2070,7 +2102,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   const Real left = real(0.5) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
-  plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
   const Mask matters = both(plan.sticks, gt(left, real(kCounts) * at.tolerance));
   if (wanted(matters)) {
     const Real room = power(at.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
@@ -4094,6 +4125,7 @@ constexpr double kCounts = 0.072;    // friction on the table that is of account
 constexpr double kGone = 0.0476;     // contact slip that counts as gone, in tolerances
 constexpr double kTailUnseen =
     2.19;  // of what is left of table friction, that step may miss where s passes zero
+constexpr double kTailWork = 1.25;   // of its work, over twice the embedded errors of that step
 constexpr int kOrder = 13;           // 64 / order, for roots by `power`
 constexpr double kSafe = 0.7;        // errors are aimed at this share of the tolerance
 constexpr double kReach = 0.65;      // share of the way to sticking that a step may take
@@ -4272,16 +4304,15 @@ struct TailRates {
 
 // What the next iteration does.
 struct Plan {
-  Real h;           // length of the step
-  Real step_c;      // length of a step by the contact slip alone
-  Real l_c;         // contact slip
-  Real rest_error;  // of a step into sticking: by the distance of s from zero
-  Mask at_rest;     // is table slip as good as zero?
-  Real l_s, phi;    // table slip; table friction per unit of q
-  Mask counts;      // does it matter to the step which way that points?
-  Mask runs;        // does the table drive the slip away from zero, whichever way it points?
-  Mask sticks;      // is it the step into sticking?
-  Mask goes_on;     // or is the collision over?
+  Real h;         // length of the step
+  Real step_c;    // length of a step by the contact slip alone
+  Real l_c;       // contact slip
+  Mask at_rest;   // is table slip as good as zero?
+  Real l_s, phi;  // table slip; table friction per unit of q
+  Mask counts;    // does it matter to the step which way that points?
+  Mask runs;      // does the table drive the slip away from zero, whichever way it points?
+  Mask sticks;    // is it the step into sticking?
+  Mask goes_on;   // or is the collision over?
 };
 
 CAROM_INLINE TailRates tail_rates(const Start& start, const State& at, Real s_x0, Real s_y0,
@@ -4400,6 +4431,10 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
   const Real dj = fma(real(-0.322376179245283), p4,
                       fma(real(0.6510416666666666), p3,
                           fma(real(0.44923629829290207), p2, real(0.09114583333333333) * p0)));
+  const Real e_j =
+      fma(real(-0.05086379716981132), p4,
+          fma(real(0.03697916666666667), p3,
+              fma(real(-0.0042527702905061394), p2, real(0.0012326388888888888) * p0)));
 
   const Tail& end = z6;
 
@@ -4413,26 +4448,37 @@ CAROM_INLINE Mask finish_sticking(const Start& start, State& at, const Plan& pla
     s_y = s_y0 + fma(real(-1.5), t_tail_y, fma(real(-2.5), d_tail_z, dq));
   }
 
-  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
-  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
-  const Real estimate = real(kTail) * (fma(plan.rest_error, absolute(e_q),
-                                           real(2.5) * larger(absolute(e_x), absolute(e_y))) +
-                                       work_error);
-  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
-  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
-  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
-  const Real per_0 = rough_rsqrt(n_0);
-  const Real per_1 = rough_rsqrt(n_1);
-  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
-  const Real unseen = select(plan.at_rest, real(0.0),
-                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
-  const Real error = larger(estimate, unseen);
   const Real work = at.work + dj;
   const Real square =
       select(compressing, start.e_b * start.e_b * fma(start.v_n, start.v_n, real(2.0) * work),
              fma(real(2.0), work, at.target));
   const Real v_last = sqrt(larger(square, real(0.0)));
   const Real limit = select(compressing, real(0.0), v_last);
+  const Real n_0 = fma(s_x0, s_x0, fma(s_y0, s_y0, real(kTinySquare)));
+  const Real n_1 = fma(s_x, s_x, fma(s_y, s_y, real(kTinySquare)));
+  const Real per_0 = rough_rsqrt(n_0);
+  const Real per_1 = rough_rsqrt(n_1);
+  // An error of q moves s along y, and so turns it by |s_x|/s^2: the more of both ends.
+  const Real turn_1 = absolute(s_x) * per_1 * per_1;
+  const Real turns =
+      larger(select(plan.at_rest, real(0.0), absolute(s_x0) * per_0 * per_0), turn_1);
+  const Real turned = real(0.7) * (real(0.5) * start.u_s * absolute(at.c_z)) * turns;
+  // An error of q shifts the work of table friction against v_n, and with it v_n at the end.
+  const Real work_error = real(0.5) * absolute(e_q * end.y / start.v_n);
+  const Real estimate =
+      real(kTail) *
+      (fma(turned, absolute(e_q), real(2.5) * larger(absolute(e_x), absolute(e_y))) + work_error);
+  // Nor is it smaller than what nodes so far apart can miss of the turning of s.
+  const Real steep = steepness(s_x0, s_y0, n_0 * per_0, s_x, s_y, n_1 * per_1);
+  const Real unseen = select(plan.at_rest, real(0.0),
+                             real(kTailUnseen) * start.u_s * absolute(at.c_z) * (steep * steep));
+  // Twice what the work is off by is what v_n^2 at the end is: over v_n, what 2 q is.
+  const Real per_v =
+      select(compressing, start.e_b * start.e_b, real(1.0)) * rough_inverse(v_last + at.tolerance);
+  const Real work_missed =
+      real(kTailWork) * absolute(fma(real(2.0) * absolute(end.y), absolute(e_q), absolute(e_j))) *
+      per_v;
+  const Real error = larger(larger(estimate, unseen), work_missed);
 
   // Does it surely stick before the end? In w = u_b q / |c| the slips fall at least as exp(-k_x w) and
   // exp(-slowest w), wherever s points, but for what table friction adds to c_x; so q <= |c_x / k_x, c_z / slowest|
@@ -4602,7 +4648,6 @@ CAROM_INLINE Plan plan_step(const Start& start, State& at) {
   const Real left = real(0.5) * start.u_s * absolute(at.c_z);  // what table friction can still do
   plan.sticks =
       both(plan.goes_on, both(lt(l_stick * (real(2.0) + at.k.t_y), phase), lt(l_c, at.tail_cap)));
-  plan.rest_error = real(0.7) * left * bend * rough_inverse(reach + real(kTinySquare));
   const Mask matters = both(plan.sticks, gt(left, real(kCounts) * at.tolerance));
   if (wanted(matters)) {
     const Real room = power(at.tolerance * rough_inverse(fma(left, bend, real(kTinySquare))), 8);
@@ -4990,7 +5035,7 @@ struct Flight {
 // The plan to stick of a collision that is put aside for it.
 struct Aside {
   Flight flight;
-  Real l_c, rest_error, at_rest;
+  Real l_c, at_rest;
 };
 
 // Collisions that wait, a field a row; room for a whole vector behind the last.
@@ -5000,7 +5045,7 @@ struct Queue {
   int count;
 };
 typedef Queue<24, (kWave + 1) * kLanes> Flights;
-typedef Queue<27, 2 * kLanes> Asides;
+typedef Queue<26, 2 * kLanes> Asides;
 
 // The lanes of `m` join.
 CAROM_INLINE void push(Flights& queue, const Flight& waiting, Mask m) {
@@ -5095,8 +5140,7 @@ CAROM_INLINE void push(Asides& queue, const Aside& waiting, Mask m) {
   append(&queue.row[22][at], waiting.flight.slot, m);
   append(&queue.row[23][at], waiting.flight.turns, m);
   append(&queue.row[24][at], waiting.l_c, m);
-  append(&queue.row[25][at], waiting.rest_error, m);
-  append(&queue.row[26][at], waiting.at_rest, m);
+  append(&queue.row[25][at], waiting.at_rest, m);
   queue.count = at + count(m);
 }
 
@@ -5134,8 +5178,7 @@ CAROM_INLINE void read(const Asides& queue, int at, Aside& waiting) {
   waiting.flight.slot = load(&queue.row[22][at]);
   waiting.flight.turns = load(&queue.row[23][at]);
   waiting.l_c = load(&queue.row[24][at]);
-  waiting.rest_error = load(&queue.row[25][at]);
-  waiting.at_rest = load(&queue.row[26][at]);
+  waiting.at_rest = load(&queue.row[25][at]);
 }
 
 // Those that have ended since their results were placed, in the order in which they did.
@@ -5210,8 +5253,7 @@ CAROM_INLINE void put_aside(Works& works, Turn& turn) {
   const Mask sticks = both(turn.active, plan.sticks);
   if (any(sticks)) {
     __asm__ volatile("");
-    push(works.sticking,
-         Aside{flight, plan.l_c, plan.rest_error, select(plan.at_rest, real(1.0), real(0.0))},
+    push(works.sticking, Aside{flight, plan.l_c, select(plan.at_rest, real(1.0), real(0.0))},
          sticks);
   }
   turn.active = but_not(turn.active, sticks);
@@ -5257,7 +5299,6 @@ CAROM_INLINE void stick_lanes(Works& works, Flights& next, Real e_b) {
   waiting.count = left;
   Plan plan{};
   plan.l_c = aside.l_c;
-  plan.rest_error = aside.rest_error;
   plan.at_rest = gt(aside.at_rest, real(0.0));
   const Mask done = finish_sticking(aside.flight.start, aside.flight.at, plan, active);
   State& at = aside.flight.at;
