@@ -50,7 +50,8 @@ def _vocabulary(target: str, lanes: LaneContext) -> str:
     names = ("lanes/scalar.j2", "lanes/scalar_more.j2", "ball_ball/exact/scale.j2")
     real = lanes.number.real
     found = (isa.float_estimate if lanes.floats else isa.estimate)(target_or_port(target), 0)
-    takes = {"takes_roots": True, "takes_powers": True, "table": True}
+    scales = {name: getattr(ExactContext, name) for name in ("slowest", "most_slip")}
+    takes = {**scales, "takes_roots": True, "takes_powers": True, "table": True}
     x = Mock(spec=ExactContext, real=real, lane_estimate=found.scalar, **takes)
     k = Mock(spec=KernelContext, places_fma=lanes.fma)
     parts = [environment().get_template(name).render(x=x, k=k) for name in names]

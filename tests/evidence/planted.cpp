@@ -17,7 +17,7 @@ int carom_probe_collide(const double params[6], const double ball1[9], const dou
     out2[3 + i] = end.v2[i];
     out2[6 + i] = end.w2[i];
   }
-  const bool flawed = p.u_b > 0.5 && p.u_s2 > 0.8 && p.e_b >= 3e-4 && p.e_b < 4e-4;
+  const bool flawed = p.u_b > 0.5 && p.u_s2 > 0.8 && p.e_b >= 1e-3 && p.e_b < 1.3e-3;
   if (end.status == 0 && flawed) out1[3] += 5e-6 * (ball1[4] - ball2[4]);
   return end.status;
 }

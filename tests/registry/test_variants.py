@@ -253,9 +253,9 @@ def test_every_choice_of_lanes_changes_the_text() -> None:
         made = [base.with_options(**{a.key: code}) for a in lanes for code in a.codes()[1:]]
         legal = [v for v in made if is_legal(v)]
         print(base.stepper.family, "illegal:", [name_of(v) for v in made if v not in legal])
-        # est0, and s2 of fixed steps; i2 to i4 of exact ones would not fit the stack, and fixed
-        # steps before adaptive ones are of lanes of floats
-        assert len(made) - len(legal) == (2 if base is steps else 5)
+        # est0, and s2 of fixed steps; i2 to i4 of exact ones would not fit the stack, and both
+        # kinds of fixed steps before adaptive ones are of lanes of floats
+        assert len(made) - len(legal) == (2 if base is steps else 6)
         assert len({body(v) for v in (base, *legal)}) == 1 + len(legal)
 
 
